@@ -1,0 +1,73 @@
+# Every target sets up what it needs on a machine with Python >= 3.10, Rust and make.
+# Everything is written below this folder: .venv/, target/, dist/.
+
+PYTHON ?= python3
+VENV   := .venv
+BIN    := $(VENV)/bin
+PY     := $(BIN)/python
+export VIRTUAL_ENV := $(abspath $(VENV))
+export PIP_DISABLE_PIP_VERSION_CHECK := 1
+# Thread pools of NumPy's BLAS fight over two cores; lcpstar itself threads across problems.
+export OPENBLAS_NUM_THREADS ?= 1
+export OMP_NUM_THREADS ?= 1
+
+RUST_SOURCES := $(shell find rust -name '*.rs') Cargo.toml Cargo.lock rust/lcpstar/Cargo.toml rust/lcpstar-py/Cargo.toml
+
+.PHONY: help demo build test test-rust test-python lint fmt bench bench-deps wheel docs all clean
+
+help: ## list the targets
+	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 16
+
+$(VENV)/.dev: pyproject.toml
+	$(PYTHON) -m venv $(VENV)
+	$(PY) -m pip install --quiet --upgrade 'pip>=25.1'
+	$(PY) -m pip install --quiet --group dev 'numpy>=1.23'
+	@touch $@
+
+$(VENV)/.build: $(VENV)/.dev $(RUST_SOURCES) pyproject.toml
+	$(BIN)/maturin develop --release --quiet
+	@touch $@
+
+build: $(VENV)/.build ## compile the extension into .venv
+
+demo: build ## the main job: the paper, a PPT, a verdict, a stack of boxes
+	@$(PY) examples/demo.py
+
+test: test-rust test-python ## all tests
+
+test-rust:
+	cargo test --quiet --release -p lcpstar
+
+test-python: build
+	$(BIN)/pytest
+
+lint: build ## formatting, clippy, ruff, mypy, stubs, Rust docs
+	cargo fmt --all --check
+	cargo clippy --quiet --release --workspace --all-targets -- -D warnings
+	RUSTDOCFLAGS="-D warnings" cargo doc --quiet --release --no-deps -p lcpstar
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+	$(BIN)/stubtest lcpstar._core
+
+fmt: $(VENV)/.dev ## format Rust and Python
+	cargo fmt --all
+	$(BIN)/ruff check --fix-only --quiet .
+	$(BIN)/ruff format --quiet .
+
+$(VENV)/.bench: $(VENV)/.dev
+	$(PY) -m pip install --quiet --group bench
+	@touch $@
+
+bench-deps: $(VENV)/.bench ## the peers that benchmarks compare with
+
+bench: build $(VENV)/.bench ## benchmarks beside peers, recorded in benches/record/
+	$(PY) benches/run.py
+
+wheel: $(VENV)/.dev ## an abi3 wheel in dist/
+	$(BIN)/maturin build --profile dist --out dist
+
+all: lint test demo ## what CI runs, and the demo
+
+clean: ## remove what the targets made
+	rm -rf $(VENV) target dist

@@ -1,0 +1,47 @@
+//! Core errors become the exceptions of `lcpstar.errors`; entering the core catches panics, once, here.
+
+use lcpstar::LcpError;
+use pyo3::prelude::*;
+use pyo3::sync::PyOnceLock;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+/// Runs `f` with the interpreter released. A panic in the core becomes `lcpstar.InternalError`, never a `BaseException`.
+pub fn enter_core<T: Send>(py: Python<'_>, f: impl FnOnce() -> lcpstar::Result<T> + Send) -> PyResult<T> {
+    match py.detach(|| catch_unwind(AssertUnwindSafe(f))) {
+        Ok(result) => result.map_err(|e| to_python(py, &e)),
+        Err(panic) => {
+            let text = panic
+                .downcast_ref::<&str>()
+                .map(ToString::to_string)
+                .or_else(|| panic.downcast_ref::<String>().cloned())
+                .unwrap_or_else(|| "unknown".to_owned());
+            Err(raise(py, "InternalError", &format!("please report this: the core panicked with: {text}")))
+        }
+    }
+}
+
+/// The Python exception of a core error.
+pub fn to_python(py: Python<'_>, error: &LcpError) -> PyErr {
+    let class = match error {
+        LcpError::NotSquare { .. } | LcpError::WrongLength { .. } => "ShapeError",
+        LcpError::NotFinite { .. } => "NotFiniteError",
+        LcpError::NonPositive { .. } | LcpError::Negative { .. } | LcpError::OutOfRange { .. } => "OptionError",
+        LcpError::UnknownName { .. } => "UnknownNameError",
+        LcpError::BadIndex { .. } => "IndexSetError",
+        LcpError::SingularBlock { .. } => "SingularBlockError",
+        LcpError::NotStrictlyFeasible { .. } => "StartError",
+        LcpError::TooLarge { .. } => "TooLargeError",
+    };
+    raise(py, class, &error.to_string())
+}
+
+/// An exception of `lcpstar.errors` by name: the classes have two bases each and live in Python.
+pub fn raise(py: Python<'_>, class: &str, message: &str) -> PyErr {
+    static MODULE: PyOnceLock<Py<PyModule>> = PyOnceLock::new();
+    let module = MODULE.get_or_try_init(py, || py.import("lcpstar.errors").map(Bound::unbind));
+    let made = module.and_then(|m| m.bind(py).getattr(class)).and_then(|class| class.call1((message,)));
+    match made {
+        Ok(exception) => PyErr::from_value(exception),
+        Err(error) => error,
+    }
+}

@@ -1,0 +1,17 @@
+//! Python bindings of lcpstar: convert, leave the interpreter, wrap. No algorithm, no tolerance, no default.
+
+use pyo3::prelude::*;
+
+mod arrays;
+mod errors;
+
+/// The compiled core of lcpstar; use the `lcpstar` package instead.
+#[pymodule]
+mod _core {
+    use super::*;
+
+    #[pymodule_init]
+    fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        module.add("__version__", env!("CARGO_PKG_VERSION"))
+    }
+}

@@ -1,0 +1,1 @@
+//! Exact kernels behind the matrix-class predicates.

@@ -1,0 +1,1 @@
+//! Exact arithmetic on the binary numbers that were given.

@@ -1,0 +1,81 @@
+//! The problem LCP(q, A), validated once; below it sizes and finiteness are trusted.
+
+use crate::error::{LcpError, Result};
+
+/// LCP(q, A): find `z` with `w = A z + q >= 0`, `z >= 0`, `z'w = 0`.
+///
+/// Owns its numbers: `A` row-major, `n * n` entries; `q`, `n` entries; all finite.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Lcp {
+    n: usize,
+    a: Vec<f64>,
+    q: Vec<f64>,
+}
+
+impl Lcp {
+    /// Takes ownership of `A` (row-major) and `q`. O(n^2).
+    ///
+    /// # Errors
+    /// `WrongLength` unless `a.len() == n * n` and `q.len() == n`; `NotFinite` for NaN or infinity.
+    pub fn new(n: usize, a: Vec<f64>, q: Vec<f64>) -> Result<Self> {
+        if a.len() != n * n {
+            return Err(LcpError::WrongLength { name: "A", expected: n * n, found: a.len() });
+        }
+        if q.len() != n {
+            return Err(LcpError::WrongLength { name: "q", expected: n, found: q.len() });
+        }
+        check_finite_matrix("A", &a, n)?;
+        check_finite("q", &q)?;
+        Ok(Self { n, a, q })
+    }
+
+    /// Order of the problem.
+    #[must_use]
+    pub fn n(&self) -> usize {
+        self.n
+    }
+
+    /// `A`, row-major.
+    #[must_use]
+    pub fn a(&self) -> &[f64] {
+        &self.a
+    }
+
+    /// Row `i` of `A`.
+    #[must_use]
+    pub fn row(&self, i: usize) -> &[f64] {
+        &self.a[i * self.n..(i + 1) * self.n]
+    }
+
+    /// `q`.
+    #[must_use]
+    pub fn q(&self) -> &[f64] {
+        &self.q
+    }
+}
+
+/// # Errors
+/// `NotFinite` names the first entry that is NaN or infinite.
+pub fn check_finite(name: &'static str, v: &[f64]) -> Result<()> {
+    match first_not_finite(v) {
+        None => Ok(()),
+        Some(i) => Err(LcpError::NotFinite { name, index: vec![i], value: v[i] }),
+    }
+}
+
+/// As [`check_finite`], for a row-major matrix with `columns` columns.
+///
+/// # Errors
+/// `NotFinite` with row and column.
+pub fn check_finite_matrix(name: &'static str, a: &[f64], columns: usize) -> Result<()> {
+    match first_not_finite(a) {
+        None => Ok(()),
+        Some(i) => Err(LcpError::NotFinite { name, index: vec![i / columns, i % columns], value: a[i] }),
+    }
+}
+
+/// The sum of `x - x` is zero exactly when every entry is finite: one vectorised pass, then the search.
+fn first_not_finite(v: &[f64]) -> Option<usize> {
+    let poison: f64 = v.iter().map(|x| x - x).sum();
+    if poison == 0.0 { None } else { v.iter().position(|x| !x.is_finite()) }
+}

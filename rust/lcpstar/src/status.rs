@@ -1,0 +1,54 @@
+//! How a method stopped ([`Termination`]) and what that means for the caller ([`Status`]).
+
+/// The outcome reported to the user. Only [`certify`](crate::certify) may say [`Status::Solved`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Status {
+    /// `residual <= tol`, recomputed from the caller's data.
+    Solved,
+    /// FEA(q, A) is empty; the certificate holds a checked `y >= 0, A'y <= 0, q'y < 0`.
+    Infeasible,
+    /// Lemke's method ended on a ray and nothing follows from it for this matrix.
+    SecondaryRay,
+    /// The iteration limit was reached.
+    MaxIterations,
+    /// The time limit was reached.
+    TimeLimit,
+    /// The method could not go on in floating point; `message` says why.
+    NumericalBreakdown,
+}
+
+impl Status {
+    /// The name used in Python and on the command line.
+    #[must_use]
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Solved => "solved",
+            Self::Infeasible => "infeasible",
+            Self::SecondaryRay => "secondary_ray",
+            Self::MaxIterations => "max_iterations",
+            Self::TimeLimit => "time_limit",
+            Self::NumericalBreakdown => "numerical_breakdown",
+        }
+    }
+}
+
+/// How a method stopped: one variant per way out of its loop. A claim, not yet a verdict.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Termination {
+    /// A complementary feasible basis (pivoting methods).
+    ComplementaryBasis,
+    /// The method's own stopping rule on its residual or gap.
+    Converged,
+    /// Lemke: no blocking row.
+    SecondaryRay,
+    /// The method found a candidate Farkas vector.
+    Infeasible,
+    /// `max_iterations` was reached.
+    IterationLimit,
+    /// `time_limit` was reached.
+    TimeLimit,
+    /// The observer asked to stop (Ctrl-C).
+    Interrupted,
+    /// It cannot go on; the reason.
+    Breakdown(&'static str),
+}
