@@ -1,0 +1,1 @@
+//! Complementary pairs, principal pivot transforms and dictionaries: what the pivoting methods share.
