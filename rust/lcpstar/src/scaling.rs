@@ -44,7 +44,8 @@ fn power_of_two(e: i32) -> f64 {
 }
 
 /// The exponent `e` with `2^(e-1) <= |x| < 2^e`; `ZERO` for zero.
-fn exponent(x: f64) -> i32 {
+#[must_use]
+pub fn exponent(x: f64) -> i32 {
     let biased = ((x.to_bits() >> 52) & 0x7ff) as i32;
     match biased {
         0 if x == 0.0 => ZERO,
@@ -109,12 +110,6 @@ impl Scaling {
     #[must_use]
     pub fn w_to_caller(&self, w: &[f64]) -> Vec<f64> {
         w.iter().zip(&self.rows).map(|(&w, r)| times_power_of_two(w, -r - self.q)).collect()
-    }
-
-    /// A vector in w-space (a covering vector) from the caller's: `d' = s D_r d`.
-    #[must_use]
-    pub fn w_from_caller(&self, w: &[f64]) -> Vec<f64> {
-        w.iter().zip(&self.rows).map(|(&w, r)| times_power_of_two(w, r + self.q)).collect()
     }
 
     /// A direction in z-space (a ray): as `z`, without the factor `s` that belongs to q.
