@@ -3,6 +3,27 @@
 Find z with  w = A z + q >= 0,  z >= 0,  z'w = 0.
 """
 
-from ._core import __version__
+from . import errors
+from ._core import Solution, __version__
+from .errors import LCPError
+from .interior import potential_reduction
+from .options import BlockPivotingOptions, LemkeHowsonOptions, LemkeOptions, PotentialReductionOptions
+from .result import Certificate, Ray, Status
+from .solve import ppt, solve
 
-__all__ = ["__version__"]
+__all__ = [
+    "solve",
+    "ppt",
+    "potential_reduction",
+    "Solution",
+    "Status",
+    "Certificate",
+    "Ray",
+    "LemkeOptions",
+    "LemkeHowsonOptions",
+    "BlockPivotingOptions",
+    "PotentialReductionOptions",
+    "LCPError",
+    "errors",
+    "__version__",
+]

@@ -4,11 +4,21 @@ use pyo3::prelude::*;
 
 mod arrays;
 mod errors;
+mod interior;
+mod solution;
+mod solve;
 
 /// The compiled core of lcpstar; use the `lcpstar` package instead.
 #[pymodule]
 mod _core {
     use super::*;
+
+    #[pymodule_export]
+    use crate::interior::{potential_direction, potential_reduction};
+    #[pymodule_export]
+    use crate::solution::PySolution;
+    #[pymodule_export]
+    use crate::solve::{ppt, solve};
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {

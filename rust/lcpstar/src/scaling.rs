@@ -111,7 +111,7 @@ impl Scaling {
         w.iter().zip(&self.rows).map(|(&w, r)| times_power_of_two(w, -r - self.q)).collect()
     }
 
-    /// `w'` of the equilibrated problem from the caller's `w`.
+    /// A vector in w-space (a slack, a covering vector) from the caller's: `d' = s D_r d`.
     #[must_use]
     pub fn w_from_caller(&self, w: &[f64]) -> Vec<f64> {
         w.iter().zip(&self.rows).map(|(&w, r)| times_power_of_two(w, r + self.q)).collect()

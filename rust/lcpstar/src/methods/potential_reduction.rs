@@ -212,6 +212,12 @@ pub fn potential_reduction(
     Ok(Candidate::point(point.z, termination, k))
 }
 
+/// Whether `z0 > 0` and `A z0 + q > 0`.
+#[must_use]
+pub fn is_strictly_feasible(lcp: &Lcp, z0: &[f64]) -> bool {
+    checked_start(lcp, z0).is_ok()
+}
+
 fn checked_start(lcp: &Lcp, z0: &[f64]) -> Result<Point> {
     if z0.len() != lcp.n() {
         return Err(LcpError::WrongLength { name: "z0", expected: lcp.n(), found: z0.len() });

@@ -3,6 +3,7 @@
 //! With `p = kappa (z o w)/(z'w) - 1` and `B = W^-1 A Z` the paper's direction is, up to its length,
 //! `u = argmin || [I; B] u + [p; p] ||`, `d_z = Z u`, `d_w = W v`, `v = B u`.
 
+use crate::error::{LcpError, Result};
 use crate::linalg::backend::{GramCholesky, StackedQr};
 use crate::linalg::dd::two_sum;
 use crate::linalg::kernels::{axpy, dot_compensated, max_abs};
@@ -17,6 +18,19 @@ pub enum DirectionSolver {
 }
 
 impl DirectionSolver {
+    /// Names accepted by [`DirectionSolver::from_name`].
+    pub const NAMES: &'static [&'static str] = &["cholesky", "qr"];
+
+    /// # Errors
+    /// `UnknownName`.
+    pub fn from_name(name: &str) -> Result<Self> {
+        match name {
+            "cholesky" => Ok(Self::Cholesky),
+            "qr" => Ok(Self::Qr),
+            _ => Err(LcpError::UnknownName { name: "direction", value: name.to_owned(), choices: Self::NAMES }),
+        }
+    }
+
     /// The name used in Python.
     #[must_use]
     pub fn as_str(self) -> &'static str {
