@@ -6,13 +6,15 @@ Find z with  w = A z + q >= 0,  z >= 0,  z'w = 0.
 from . import errors
 from ._core import Solution, __version__
 from .errors import LCPError
-from .options import BlockPivotingOptions, LemkeHowsonOptions, LemkeOptions
+from .interior import potential_reduction
+from .options import BlockPivotingOptions, LemkeHowsonOptions, LemkeOptions, PotentialReductionOptions
 from .result import Certificate, Ray, Status
 from .solve import ppt, solve
 
 __all__ = [
     "solve",
     "ppt",
+    "potential_reduction",
     "Solution",
     "Status",
     "Certificate",
@@ -20,6 +22,7 @@ __all__ = [
     "LemkeOptions",
     "LemkeHowsonOptions",
     "BlockPivotingOptions",
+    "PotentialReductionOptions",
     "LCPError",
     "errors",
     "__version__",
