@@ -5,7 +5,7 @@ from .coerce import Matrix, Vector
 from .options import MethodOptions, PotentialReductionOptions
 from .result import Certificate, Ray, Status
 
-__all__: list[str]
+__all__ = ["Solution", "__version__", "potential_direction", "potential_reduction", "ppt", "solve"]
 __version__: str
 
 @final
