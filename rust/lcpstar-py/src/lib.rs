@@ -3,12 +3,16 @@
 use pyo3::prelude::*;
 
 mod arrays;
+mod classes;
 mod errors;
 
 /// The compiled core of lcpstar; use the `lcpstar` package instead.
 #[pymodule]
 mod _core {
     use super::*;
+
+    #[pymodule_export]
+    use crate::classes::IntegerMatrix;
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
