@@ -24,6 +24,7 @@ from .complementarity import (
     is_sufficient,
     is_tilde_semimonotone_star,
 )
+from .game import Game, game, game_value
 from .minors import (
     is_almost_n,
     is_almost_n0,
@@ -50,4 +51,18 @@ from .quadratic import (
     is_strictly_copositive,
 )
 from .registry import ALIASES, CLASSES, MatrixClass, check
+from .report import Classification, classify
+from .solution_set import Face, LocalReport, SolutionSet, solution_set
 from .verdict import Cost, Verdict
+
+__all__ = [
+    "ALIASES",
+    "CLASSES",
+    "Classification",
+    "Cost",
+    "MatrixClass",
+    "Verdict",
+    "check",
+    "classify",
+    *(name for name in dir() if name.startswith("is_")),
+]

@@ -27,6 +27,7 @@ from .witness import (
     Tree,
     Unsolvable,
     ZeroSolution,
+    origin,
 )
 
 
@@ -82,13 +83,14 @@ def _semimonotone(A: Subject, strict: bool) -> Finding:
 @predicate("almost-E", "almost strictly semimonotone", limit=30)
 def is_almost_strictly_semimonotone(A: Subject) -> Finding:
     """Every proper principal submatrix is in E and A is not. The witness of E has a smallest support: it must be full."""
-    e = A.verdict("E")
-    if e:
-        return Finding(False, lambda: f"A itself is in E: {e.reason}", Member("E"))
-    support = tuple(i for i, v in enumerate(e.witness.x) if v)
+    x = A.ask("semimonotone", True)
+    if x is None:
+        return Finding(False, "A itself is in E", Member("E"))
+    support = tuple(i for i, v in enumerate(x) if v)
     if len(support) == A.n:
-        return Finding(True, lambda: f"proper principal submatrices are in E; {e.reason}")
-    witness = InSubmatrix(support, AllDecrease(tuple(e.witness.x[i] for i in support), True))
+        sentence = AllDecrease(tuple(x), True).sentence(A.rows)
+        return Finding(True, f"{sentence}, and no x with smaller support does that")
+    witness = InSubmatrix(support, AllDecrease(tuple(x[i] for i in support), True))
     return Finding(False, lambda: witness.sentence(A.rows), witness)
 
 
@@ -245,10 +247,10 @@ def is_qb(A: Subject) -> Finding:
 @predicate("cQ", "completely Q", limit=30)
 def is_completely_q(A: Subject) -> Finding:
     """Every principal submatrix is in Q, which is E [Cot80]; a smallest block outside E has an infeasible q."""
-    e = A.verdict("E")
-    if e:
-        return Finding(True, lambda: f"strictly semimonotone, which is completely Q: {e.reason}")
-    support = tuple(i for i, v in enumerate(e.witness.x) if v)
+    x = A.ask("semimonotone", True)
+    if x is None:
+        return Finding(True, "strictly semimonotone, which is completely Q")
+    support = tuple(i for i, v in enumerate(x) if v)
     return in_submatrix(A, support, A.principal(support).verdict("Q"))
 
 
@@ -291,7 +293,7 @@ def is_connected(A: Subject) -> Finding:
     e0f = A.verdict("E0f")
     witness: IsolatedSolution | Disconnected
     if not e0f:
-        witness = _isolated(A, e0f.witness)
+        witness = _isolated(A, origin(e0f))
     else:
         q = A.ask("disconnected")
         if q is None:

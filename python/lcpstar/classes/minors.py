@@ -7,7 +7,7 @@ from .exact import solve
 from .registry import predicate
 from .subject import Subject
 from .verdict import Finding
-from .witness import Entry, Minor
+from .witness import Entry, Implied, Minor
 
 _RULE = {"P": "> 0", "P0": ">= 0", "N": "< 0", "N0": "<= 0"}
 _RECHECK_UP_TO = 8
@@ -34,6 +34,10 @@ def _almost(A: Subject, rule: str, opposite: str) -> Finding:
     return Finding(proper.holds, proper.reason, proper.witness)
 
 
+def _implied(A: Subject, smaller: str, sentence: str) -> Finding:
+    return Finding(True, sentence, certificate=Implied(A.verdict(smaller), sentence))
+
+
 @predicate("P", "P-matrix")
 def is_p(A: Subject) -> Finding:
     """All principal minors are positive.
@@ -42,7 +46,7 @@ def is_p(A: Subject) -> Finding:
     tell a pivot from zero. Diagonal dominance is tried first. O(2^n); n = 24 takes about a second.
     """
     if A.n > _RECHECK_UP_TO and A.verdict("PD").holds:
-        return Finding(True, "PD is contained in P", certificate=A.verdict("PD").certificate and _Implied("PD", A))
+        return _implied(A, "PD", "PD is contained in P")
     return _minors(A, "P")
 
 
@@ -50,19 +54,8 @@ def is_p(A: Subject) -> Finding:
 def is_p0(A: Subject) -> Finding:
     """All principal minors are nonnegative. As P."""
     if A.n > _RECHECK_UP_TO and A.verdict("PSD").holds:
-        return Finding(True, "PSD is contained in P0", certificate=_Implied("PSD", A))
+        return _implied(A, "PSD", "PSD is contained in P0")
     return _minors(A, "P0")
-
-
-class _Implied:
-    """The certificate of a smaller class."""
-
-    def __init__(self, symbol: str, A: Subject):
-        self.symbol, self.certificate = symbol, A.verdict(symbol).certificate
-
-    def proves(self, A: object) -> bool:
-        """It proves the smaller class."""
-        return bool(self.certificate.proves(A))
 
 
 @predicate("N", "N-matrix")

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 from .exact import (
     IndexSet,
@@ -25,6 +25,9 @@ from .exact import (
     times,
     transpose,
 )
+
+if TYPE_CHECKING:
+    from .verdict import Verdict
 
 
 class Witness(Protocol):
@@ -537,6 +540,33 @@ class All:
     def sentence(self, A: Rows) -> str:
         """Say each."""
         return "; ".join(part.sentence(A) for part in self.parts)
+
+
+@dataclass(frozen=True)
+class Implied:
+    """The witness or certificate of another class, with the inclusion that carries it over."""
+
+    verdict: Verdict
+    inclusion: str
+
+    def refutes(self, A: Rows) -> bool:
+        """Check the verdict on the larger class."""
+        return self.verdict.check() is True
+
+    def proves(self, A: Rows) -> bool:
+        """Check the verdict on the smaller class."""
+        return self.verdict.check() is True
+
+    def sentence(self, A: Rows) -> str:
+        """The inclusion and the other class's reason."""
+        return f"{self.inclusion}; {self.verdict.reason}"
+
+
+def origin(verdict: Verdict) -> Any:
+    """The witness behind a chain of inclusions."""
+    while isinstance(verdict.witness, Implied):
+        verdict = verdict.witness.verdict
+    return verdict.witness
 
 
 @dataclass(frozen=True)

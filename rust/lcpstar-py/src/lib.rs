@@ -5,6 +5,7 @@ use pyo3::prelude::*;
 mod arrays;
 mod classes;
 mod errors;
+mod explore;
 
 /// The compiled core of lcpstar; use the `lcpstar` package instead.
 #[pymodule]
@@ -13,6 +14,8 @@ mod _core {
 
     #[pymodule_export]
     use crate::classes::IntegerMatrix;
+    #[pymodule_export]
+    use crate::explore::{satisfies, scan};
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
