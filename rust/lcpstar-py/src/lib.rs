@@ -3,7 +3,9 @@
 use pyo3::prelude::*;
 
 mod arrays;
+mod classes;
 mod errors;
+mod explore;
 mod interior;
 mod solution;
 mod solve;
@@ -13,6 +15,10 @@ mod solve;
 mod _core {
     use super::*;
 
+    #[pymodule_export]
+    use crate::classes::IntegerMatrix;
+    #[pymodule_export]
+    use crate::explore::{satisfies, scan};
     #[pymodule_export]
     use crate::interior::{potential_direction, potential_reduction};
     #[pymodule_export]
