@@ -29,6 +29,12 @@ impl Lcp {
         Ok(Self { n, a, q })
     }
 
+    /// A problem whose sizes are right and whose numbers come from a validated one.
+    pub(crate) fn trusted(n: usize, a: Vec<f64>, q: Vec<f64>) -> Self {
+        debug_assert!(a.len() == n * n && q.len() == n);
+        Self { n, a, q }
+    }
+
     /// Order of the problem.
     #[must_use]
     pub fn n(&self) -> usize {
