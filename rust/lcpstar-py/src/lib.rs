@@ -4,6 +4,7 @@ use pyo3::prelude::*;
 
 mod arrays;
 mod errors;
+mod exact;
 mod solution;
 mod solve;
 
@@ -12,6 +13,8 @@ mod solve;
 mod _core {
     use super::*;
 
+    #[pymodule_export]
+    use crate::exact::prove_solution;
     #[pymodule_export]
     use crate::solution::PySolution;
     #[pymodule_export]
