@@ -14,7 +14,7 @@ mod _core {
     use super::*;
 
     #[pymodule_export]
-    use crate::exact::prove_solution;
+    use crate::exact::{prove_solution, repair_solution};
     #[pymodule_export]
     use crate::solution::PySolution;
     #[pymodule_export]

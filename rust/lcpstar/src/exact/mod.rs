@@ -5,3 +5,4 @@ pub mod modular;
 pub mod padic;
 pub mod proof;
 pub mod reconstruct;
+pub mod repair;
