@@ -5,9 +5,10 @@ from __future__ import annotations
 import pickle
 from fractions import Fraction
 
-import lcpstar
 import numpy as np
 import pytest
+
+import lcpstar
 from lcp_checks import assert_solves
 from lcpstar import LCPError, errors
 

@@ -9,18 +9,14 @@ import textwrap
 import threading
 import time
 
-import lcpstar
 import numpy as np
 
-
-def slow_problem(n):
-    """Murty's example: Lemke's method with d = e needs 2^n - 1 pivots."""
-    A = np.eye(n) + 2.0 * np.tril(np.ones((n, n)), -1)
-    return A, -np.array([sum(2.0 ** (n - k) for k in range(i)) for i in range(1, n + 1)])
+import lcpstar
+from lcpstar.problems import murty
 
 
 def test_time_limit_is_kept():
-    A, q = slow_problem(30)
+    A, q = murty(30)
     options = lcpstar.LemkeOptions(d=np.ones(30))
     start = time.perf_counter()
     solution = lcpstar.solve(A, q, method="lemke", options=options, max_iterations=10**9, time_limit=0.2)
@@ -29,7 +25,7 @@ def test_time_limit_is_kept():
 
 
 def test_other_threads_run_during_a_solve():
-    A, q = slow_problem(30)
+    A, q = murty(30)
     options = lcpstar.LemkeOptions(d=np.ones(30))
 
     def work():
@@ -48,9 +44,9 @@ def test_other_threads_run_during_a_solve():
 def test_ctrl_c_stops_a_long_solve():
     script = """
         import numpy as np, lcpstar
+        from lcpstar.problems import murty
         n = 40
-        A = np.eye(n) + 2.0 * np.tril(np.ones((n, n)), -1)
-        q = -np.array([sum(2.0 ** (n - k) for k in range(i)) for i in range(1, n + 1)])
+        A, q = murty(n)
         print("ready", flush=True)
         try:
             lcpstar.solve(A, q, method="lemke", options=lcpstar.LemkeOptions(d=np.ones(n)), max_iterations=10**12)

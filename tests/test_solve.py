@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import itertools
 
-import lcpstar
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+
+import lcpstar
 from lcp_checks import assert_farkas, assert_solves
-from problems import CASES, box_stack, fathi, murty, psd_half_rank, random_pd
+from lcpstar.problems import box_stack, fathi, murty, psd_half_rank, random_pd
+from textbook import CASES
 
 METHODS = ["auto", "lemke"]
 #: Solvable, but every covering vector d > 0 ends on a ray: bimatrix games need the Lemke-Howson path.

@@ -2,7 +2,7 @@ from collections.abc import Sequence
 from typing import Any, final
 
 from .coerce import Matrix, Vector
-from .options import MethodOptions
+from .options import MethodOptions, PotentialReductionOptions
 from .result import Certificate, Ray, Status
 
 __version__: str
@@ -51,3 +51,19 @@ def solve(
     options: MethodOptions | None,
 ) -> Solution: ...
 def ppt(a: Matrix, alpha: Sequence[int], q: Vector | None = ...) -> tuple[Matrix, Vector]: ...
+def potential_reduction(
+    a: Matrix,
+    q: Vector,
+    z0: Vector | None,
+    eps: float,
+    max_iterations: int,
+    options: PotentialReductionOptions,
+    trace: bool,
+) -> Solution: ...
+def potential_direction(
+    a: Matrix, z: Vector, w: Vector, kappa: float, direction: str
+) -> tuple[Vector, Vector, str]: ...
+def prove_solution(
+    a: Matrix, q: Vector, alpha: Sequence[int]
+) -> tuple[str, list[int], tuple[list[int], int] | None, int]: ...
+def solutions(a: Matrix, q: Vector, time_limit: float | None, exact: bool) -> Any: ...

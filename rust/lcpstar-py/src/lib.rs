@@ -5,6 +5,7 @@ use pyo3::prelude::*;
 mod arrays;
 mod errors;
 mod exact;
+mod interior;
 mod solution;
 mod solve;
 
@@ -14,7 +15,9 @@ mod _core {
     use super::*;
 
     #[pymodule_export]
-    use crate::exact::{prove_solution, repair_solution};
+    use crate::exact::{prove_solution, solutions};
+    #[pymodule_export]
+    use crate::interior::{potential_direction, potential_reduction};
     #[pymodule_export]
     use crate::solution::PySolution;
     #[pymodule_export]

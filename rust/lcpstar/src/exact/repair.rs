@@ -5,7 +5,7 @@
 
 use super::dyadic::{RationalVec, Scaled, linear_form};
 use super::padic::{Block, Unsolved, independent_rows_and_columns};
-use super::proof::{ExactRay, ExactSolution};
+use super::proof::{ExactRay, ExactSolution, ProofOutcome, prove_solution};
 use crate::problem::Lcp;
 use num_bigint::BigInt;
 use num_traits::{Signed, ToPrimitive, Zero};
@@ -30,9 +30,9 @@ pub enum Repaired {
 /// Cost: one factorisation modulo a prime and two p-adic solves a pivot, more only on exact ties.
 #[must_use]
 pub fn repair(lcp: &Lcp, alpha: &[usize], stop: &dyn Fn() -> bool) -> Repaired {
-    let (rows, _) = independent_rows_and_columns(alpha.len(), alpha.len(), |i, j| lcp.row(alpha[i])[alpha[j]], &{
-        (0..alpha.len()).collect::<Vec<_>>()
-    });
+    let k = alpha.len();
+    let order: Vec<usize> = (0..k).collect();
+    let (rows, _) = independent_rows_and_columns(k, k, |i, j| lcp.row(alpha[i])[alpha[j]], &order);
     let cut: Vec<usize> = rows.iter().map(|&r| alpha[r]).collect();
     match Path::new(lcp, &cut).follow(stop) {
         Err(Unsolved::Singular) => match Path::new(lcp, &[]).follow(stop) {
@@ -44,12 +44,32 @@ pub fn repair(lcp: &Lcp, alpha: &[usize], stop: &dyn Fn() -> bool) -> Repaired {
     }
 }
 
+/// The proof of an answer with basis `alpha`: [`prove_solution`] where the basis is right, [`repair`] where it is not.
+#[must_use]
+pub fn prove(lcp: &Lcp, alpha: &[usize], stop: &dyn Fn() -> bool) -> Repaired {
+    match prove_solution(lcp, alpha, stop) {
+        ProofOutcome::Proved(solution) => Repaired::Solved(solution, 0),
+        ProofOutcome::Interrupted => Repaired::Interrupted,
+        _ => repair(lcp, alpha, stop),
+    }
+}
+
 /// A member of a pair, or z_0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Member {
     W(usize),
     Z(usize),
     Z0,
+}
+
+impl Member {
+    fn complement(self) -> Option<Self> {
+        match self {
+            Member::W(i) => Some(Member::Z(i)),
+            Member::Z(i) => Some(Member::W(i)),
+            Member::Z0 => None,
+        }
+    }
 }
 
 /// Values of the basic variables over one positive denominator.
@@ -92,16 +112,11 @@ impl<'a> Path<'a> {
         let mut left = if self.start[worst] { Member::Z(worst) } else { Member::W(worst) };
         self.drop_basic(left);
         let mut pivots = 1;
-        loop {
-            let driving = match left {
-                Member::W(i) => Member::Z(i),
-                Member::Z(i) => Member::W(i),
-                Member::Z0 => unreachable!("the loop ends when z_0 leaves"),
-            };
+        while let Some(driving) = left.complement() {
             let block = self.block()?;
-            let x = self.basic(&block, &Column::Q, stop)?;
+            let (x, _) = self.basic(&block, &Column::Q, stop)?;
             let (direction, denominator) = self.basic(&block, &Column::Of(driving), stop)?;
-            let Some(blocking) = self.blocking(&block, &x.0, &direction, stop)? else {
+            let Some(blocking) = self.blocking(&block, &x, &direction, stop)? else {
                 return Ok(self.ray(direction, denominator, driving));
             };
             self.drop_basic(blocking);
@@ -111,13 +126,10 @@ impl<'a> Path<'a> {
                 Member::Z0 => {}
             }
             pivots += 1;
-            if blocking == Member::Z0 {
-                let block = self.block()?;
-                let x = self.basic(&block, &Column::Q, stop)?;
-                return Ok(Repaired::Solved(self.solution(&x.0, x.1), pivots));
-            }
             left = blocking;
         }
+        let (x, denominator) = self.basic(&self.block()?, &Column::Q, stop)?;
+        Ok(Repaired::Solved(self.solution(&x, denominator), pivots))
     }
 
     fn drop_basic(&mut self, member: Member) {
@@ -155,7 +167,7 @@ impl<'a> Path<'a> {
             Column::Q => self.lcp.q()[i],
             Column::Of(Member::Z(s)) => self.lcp.row(i)[s],
             Column::Of(Member::W(s)) => -f64::from(u8::from(i == s)),
-            Column::Of(Member::Z0) => unreachable!("z_0 enters once, at the start"),
+            Column::Of(Member::Z0) => self.d.iter().map(|part| part[i]).sum(),
             Column::Perturbation(j) if self.start[j] => -self.lcp.row(i)[j],
             Column::Perturbation(j) => f64::from(u8::from(i == j)),
         };

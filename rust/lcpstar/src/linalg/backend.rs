@@ -4,6 +4,10 @@
 //! there on, where blocking pays. The cut-over was measured by `cargo bench --bench backend`
 //! (record in `benches/record/backend.md`).
 
+mod gram;
+
+pub use gram::{GramCholesky, StackedQr};
+
 use super::kernels::{dot_compensated, max_abs};
 use faer::linalg::solvers::{PartialPivLu, Solve};
 use nalgebra::{DMatrix, DVector, Dyn, LU};

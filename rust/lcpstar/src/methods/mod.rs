@@ -4,3 +4,4 @@
 pub mod block_pivoting;
 pub mod lemke;
 pub mod lemke_howson;
+pub mod potential_reduction;
