@@ -82,7 +82,8 @@ def solutions(A: ArrayLike, q: ArrayLike, exact: bool = False, time_limit: float
     if exact:
         return [Face(alpha, _fractions(vertices), _fractions(rays)) for alpha, vertices, rays in faces]
     return [
-        Face(alpha, np.array(vertices).reshape(-1, n), np.array(rays).reshape(-1, n)) for alpha, vertices, rays in faces
+        Face(alpha, np.array(vertices).reshape(len(vertices), n), np.array(rays).reshape(len(rays), n))
+        for alpha, vertices, rays in faces
     ]
 
 

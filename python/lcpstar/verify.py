@@ -152,7 +152,9 @@ class _Problem:
         """`A z + q`, skipping zeros."""
         support = [j for j in range(self.n) if z[j] != 0]
         return [
-            sum((Fraction(float(self.A[i, j])) * z[j] for j in support if self.A[i, j] != 0), Fraction(float(self.q[i])))
+            sum(
+                (Fraction(float(self.A[i, j])) * z[j] for j in support if self.A[i, j] != 0), Fraction(float(self.q[i]))
+            )
             for i in range(self.n)
         ]
 

@@ -21,8 +21,7 @@ impl Dyadic {
         let bits = x.to_bits();
         let biased = ((bits >> 52) & 0x7ff) as i32;
         let fraction = bits & ((1 << 52) - 1);
-        let (magnitude, exponent) =
-            if biased == 0 { (fraction, -1074) } else { (fraction | (1 << 52), biased - 1075) };
+        let (magnitude, exponent) = if biased == 0 { (fraction, -1074) } else { (fraction | (1 << 52), biased - 1075) };
         if magnitude == 0 {
             return Self { mantissa: 0, exponent: 0 };
         }
@@ -72,8 +71,12 @@ impl Scaled {
 
 /// `sum c_j v_j` over the pairs, exactly.
 pub fn linear_form<'a>(terms: impl Iterator<Item = (f64, &'a BigInt)> + Clone) -> Scaled {
-    let exponent =
-        terms.clone().filter(|(c, v)| *c != 0.0 && !v.is_zero()).map(|(c, _)| Dyadic::new(c).exponent).min().unwrap_or(0);
+    let exponent = terms
+        .clone()
+        .filter(|(c, v)| *c != 0.0 && !v.is_zero())
+        .map(|(c, _)| Dyadic::new(c).exponent)
+        .min()
+        .unwrap_or(0);
     let mut value = BigInt::zero();
     for (c, v) in terms {
         if c != 0.0 && !v.is_zero() {

@@ -63,7 +63,8 @@ impl Block {
             (i64::from(entries[i * order + j].exponent) + row_exponent[i] + column_exponent[j]) as u64
         };
         let prime = PRIMES[0];
-        let residues = (0..order * order).map(|ij| residue(prime, entries[ij], shift(ij / order, ij % order))).collect();
+        let residues =
+            (0..order * order).map(|ij| residue(prime, entries[ij], shift(ij / order, ij % order))).collect();
         let lu = ModularLu::new(prime, order, residues).ok_or(Unsolved::Singular)?;
         let mut row_bits = vec![0; order];
         for i in 0..order {
@@ -123,9 +124,10 @@ impl Block {
     fn scale_rhs(&self, rhs: &[Scaled]) -> (Vec<BigInt>, i64) {
         let used = rhs.iter().zip(&self.row_exponent).filter(|(b, _)| !b.value.is_zero());
         let s = -used.map(|(b, r)| b.exponent + r).min().unwrap_or(0);
-        let integers = rhs.iter().zip(&self.row_exponent).map(|(b, r)| {
-            if b.value.is_zero() { BigInt::zero() } else { &b.value << (b.exponent + r + s) }
-        });
+        let integers = rhs
+            .iter()
+            .zip(&self.row_exponent)
+            .map(|(b, r)| if b.value.is_zero() { BigInt::zero() } else { &b.value << (b.exponent + r + s) });
         (integers.collect(), s)
     }
 }

@@ -228,9 +228,7 @@ pub fn check_farkas(lcp: &Lcp, y: &RationalVec) -> bool {
     y.len() == n
         && !y.numerators.iter().any(Signed::is_negative)
         && linear_form(support.iter().map(|&i| (lcp.q()[i], &y.numerators[i]))).value.is_negative()
-        && (0..n).all(|j| {
-            !linear_form(support.iter().map(|&i| (lcp.row(i)[j], &y.numerators[i]))).value.is_positive()
-        })
+        && (0..n).all(|j| !linear_form(support.iter().map(|&i| (lcp.row(i)[j], &y.numerators[i]))).value.is_positive())
 }
 
 /// [`check_farkas`] for doubles, read as the binary numbers they are.
@@ -426,8 +424,8 @@ mod tests {
                     }
                     continue;
                 };
-                let solves = z.iter().all(|x| !x.is_negative())
-                    && (0..n).all(|i| !brute_w(&problem, &z, i).is_negative());
+                let solves =
+                    z.iter().all(|x| !x.is_negative()) && (0..n).all(|i| !brute_w(&problem, &z, i).is_negative());
                 match outcome {
                     ProofOutcome::Proved(s) => {
                         assert!(solves && check_solution(&problem, &s.z));

@@ -180,8 +180,7 @@ impl<'a> Path<'a> {
         for &i in &self.rho {
             basic_w[i] = false;
         }
-        let mut out: Vec<Scaled> =
-            solved.numerators.iter().map(|v| Scaled { value: v.clone(), exponent: 0 }).collect();
+        let mut out: Vec<Scaled> = solved.numerators.iter().map(|v| Scaled { value: v.clone(), exponent: 0 }).collect();
         out.truncate(k + parts.min(1));
         if parts == 0 {
             out.push(Scaled::from_f64(0.0));
@@ -483,7 +482,9 @@ mod tests {
         for n in [3, 8, 15] {
             let b: Vec<f64> = (0..n * n).map(|_| draw.below(1000) / 7.0 - 70.0).collect();
             let a: Vec<f64> = (0..n * n)
-                .map(|ij| (0..n).map(|k| b[ij / n * n + k] * b[ij % n * n + k]).sum::<f64>() + f64::from(ij / n == ij % n))
+                .map(|ij| {
+                    (0..n).map(|k| b[ij / n * n + k] * b[ij % n * n + k]).sum::<f64>() + f64::from(ij / n == ij % n)
+                })
                 .collect();
             let q: Vec<f64> = (0..n).map(|_| draw.below(1000) / 3.0 - 200.0).collect();
             let lcp = Lcp::new(n, a, q).expect("valid");

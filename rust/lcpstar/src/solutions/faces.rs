@@ -7,9 +7,7 @@ use crate::exact::dyadic::RationalVec;
 /// Sorts generators into maximal faces.
 pub(super) fn assemble(n: usize, generators: Vec<Finished>) -> Vec<Face> {
     let pairs = if n == 0 { 0 } else { u128::MAX >> (128 - n) };
-    let meets = |g: &Finished, h: &Finished| {
-        (g.z_support & h.w_support | h.z_support & g.w_support) & pairs == 0
-    };
+    let meets = |g: &Finished, h: &Finished| (g.z_support & h.w_support | h.z_support & g.w_support) & pairs == 0;
     let neighbours: Vec<Vec<usize>> = (0..generators.len())
         .map(|k| (0..generators.len()).filter(|&l| l != k && meets(&generators[k], &generators[l])).collect())
         .collect();

@@ -146,9 +146,11 @@ impl Cone<'_> {
         if z & w & self.pairs() != 0 || (z.count_ones() + w.count_ones()) as usize > self.seen.len() + 2 {
             return false;
         }
-        !self.generators.iter().enumerate().any(|(m, other)| {
-            (other.z_support & !z) | (other.w_support & !w) == 0 && m != k && m != l
-        })
+        !self
+            .generators
+            .iter()
+            .enumerate()
+            .any(|(m, other)| (other.z_support & !z) | (other.w_support & !w) == 0 && m != k && m != l)
     }
 
     /// The generator on the hyperplane between one above and one below.
@@ -225,8 +227,7 @@ fn exact_row(lcp: &Lcp, row: usize, g: &Generator) -> RowValue {
     let rounded = RationalVec::from_scaled(vec![sum], v.denominator.clone());
     let value = ratio_to_f64(&rounded.numerators[0], &rounded.denominator);
     // An exact value out of the range of doubles makes every combination exact as well.
-    let relative_error =
-        if value.is_normal() || sign == Ordering::Equal { 2.0 * f64::EPSILON } else { f64::INFINITY };
+    let relative_error = if value.is_normal() || sign == Ordering::Equal { 2.0 * f64::EPSILON } else { f64::INFINITY };
     RowValue { sign, value, relative_error }
 }
 
@@ -257,8 +258,7 @@ fn exact_vector<'g>(lcp: &Lcp, seen: &[usize], g: &'g Generator) -> Result<&'g R
         return Err(failed);
     }
     let block = Block::new(basic.len(), |i, j| entry(rows[independent[i]], support[basic[j]])).map_err(|_| failed)?;
-    let rhs: Vec<Scaled> =
-        independent.iter().map(|&i| Scaled::from_f64(-entry(rows[i], support[free]))).collect();
+    let rhs: Vec<Scaled> = independent.iter().map(|&i| Scaled::from_f64(-entry(rows[i], support[free]))).collect();
     let solved = block.solve(&rhs, &|| false).map_err(|_| failed)?;
     let mut numerators = vec![BigInt::zero(); n + 1];
     numerators[support[free]] = solved.denominator;

@@ -118,9 +118,11 @@ mod tests {
             let lcp = Lcp::new(n, a.clone(), q.clone()).expect("valid");
             let faces = all(n, &a, &q);
             let inside = |z: &RationalVec| {
-                faces.iter().any(|f| f.vertices.iter().any(|v| {
-                    (0..n).all(|j| &v.numerators[j] * &z.denominator == &z.numerators[j] * &v.denominator)
-                }))
+                faces.iter().any(|f| {
+                    f.vertices
+                        .iter()
+                        .any(|v| (0..n).all(|j| &v.numerators[j] * &z.denominator == &z.numerators[j] * &v.denominator))
+                })
             };
             let mut expected = 0;
             for mask in 0..1usize << n {
