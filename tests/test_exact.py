@@ -15,7 +15,7 @@ from lcpstar.result import Certificate, Ray
 
 
 def answer(sol, **changes):
-    fields = "z w status residual natural_residual alpha certificate ray".split()
+    fields = ["z", "w", "status", "residual", "natural_residual", "alpha", "certificate", "ray"]
     return SimpleNamespace(**{**{f: getattr(sol, f) for f in fields}, **changes})
 
 

@@ -65,9 +65,9 @@ def solutions(A: ArrayLike, q: ArrayLike, exact: bool = False, time_limit: float
 
     Notes
     -----
-    Double description on `{(z, t) >= 0, A z + q t >= 0}` where a generator is dropped as soon as some z_i w_i > 0 [DSDM95].
-    Signs are decided in doubles under a rigorous bound and, where that is not enough, in integers. Exponential in the
-    worst case; a random dense problem takes well under a second at n = 16.
+    Double description on `{(z, t) >= 0, A z + q t >= 0}` where a generator is dropped as soon as some z_i w_i > 0
+    [DSDM95]. Signs are decided in doubles under a rigorous bound and, where that is not enough, in integers.
+    Exponential in the worst case; a random dense problem takes well under a second at n = 16.
 
     Examples
     --------

@@ -251,8 +251,8 @@ def _solve(rows: list[list[Fraction]]) -> list[Fraction] | None:
         table[c], table[pivot] = table[pivot], table[c]
         top = table[c]
         for r in range(c + 1, k):
-            row, factor = table[r], table[r][c]
-            table[r] = [0] * (c + 1) + [(top[c] * row[j] - factor * top[j]) // previous for j in range(c + 1, k + 1)]
+            low, factor = table[r], table[r][c]
+            table[r] = [0] * (c + 1) + [(top[c] * low[j] - factor * top[j]) // previous for j in range(c + 1, k + 1)]
         previous = top[c]
     x = [Fraction(0)] * k
     for c in reversed(range(k)):
@@ -269,14 +269,14 @@ def _farkas(problem: _Problem, certificate: Any, exact: bool) -> list[Check]:
     if len(y) != problem.n:
         return [Check(name, False, f"length {len(y)}")]
     if exact:
-        z = [Fraction(x) for x in y]
-        support = [i for i in range(problem.n) if z[i] != 0]
+        numbers = [Fraction(x) for x in y]
+        support = [i for i in range(problem.n) if numbers[i] != 0]
         columns = [
-            sum((Fraction(float(problem.A[i, j])) * z[i] for i in support), Fraction(0)) for j in range(problem.n)
+            sum((Fraction(float(problem.A[i, j])) * numbers[i] for i in support), Fraction(0)) for j in range(problem.n)
         ]
-        value = sum((Fraction(float(problem.q[i])) * z[i] for i in support), Fraction(0))
+        value = sum((Fraction(float(problem.q[i])) * numbers[i] for i in support), Fraction(0))
         return [
-            Check("exact y >= 0", all(x >= 0 for x in z)),
+            Check("exact y >= 0", all(x >= 0 for x in numbers)),
             Check("exact A'y <= 0", all(x <= 0 for x in columns)),
             Check("exact q'y < 0", value < 0),
         ]

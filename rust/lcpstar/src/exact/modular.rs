@@ -156,7 +156,7 @@ fn subtract_multiple(prime: Prime, row: &mut [u64], factor: u64, pivot_row: &[u6
 /// Rows are taken in order, for each the first column of `preference` that still has a nonzero entry.
 #[must_use]
 pub fn independent(prime: Prime, columns: usize, mut a: Vec<u64>, preference: &[usize]) -> (Vec<usize>, Vec<usize>) {
-    let m = if columns == 0 { 0 } else { a.len() / columns };
+    let m = a.len().checked_div(columns).unwrap_or(0);
     let (mut basis_rows, mut basis_columns) = (Vec::new(), Vec::new());
     for i in 0..m {
         let Some(&column) = preference.iter().find(|&&j| a[i * columns + j] != 0) else {

@@ -357,6 +357,7 @@ pub fn ray_z0(ray: &ExactRay) -> f64 {
 }
 
 #[cfg(test)]
+#[allow(clippy::panic)] // a test says what it found
 mod tests {
     use super::*;
     use num_rational::BigRational;

@@ -246,6 +246,7 @@ impl<'a> Simplex<'a> {
 }
 
 #[cfg(test)]
+#[allow(clippy::panic)] // a test says what it found
 mod tests {
     use super::*;
     use crate::exact::dyadic::linear_form;
