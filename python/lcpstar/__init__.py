@@ -9,15 +9,21 @@ from .errors import LCPError
 from .interior import potential_reduction
 from .options import BlockPivotingOptions, LemkeHowsonOptions, LemkeOptions, PotentialReductionOptions
 from .result import Certificate, Ray, Status
+from .solutions import Face, solutions
 from .solve import ppt, solve
+from .verify import Report, verify
 
 __all__ = [
     "solve",
     "ppt",
+    "solutions",
+    "verify",
     "potential_reduction",
     "Solution",
     "Status",
     "Certificate",
+    "Face",
+    "Report",
     "Ray",
     "LemkeOptions",
     "LemkeHowsonOptions",

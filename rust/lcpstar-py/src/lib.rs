@@ -5,6 +5,7 @@ use pyo3::prelude::*;
 mod arrays;
 mod classes;
 mod errors;
+mod exact;
 mod explore;
 mod interior;
 mod solution;
@@ -19,6 +20,8 @@ mod _core {
     use crate::classes::IntegerMatrix;
     #[pymodule_export]
     use crate::explore::{satisfies, scan};
+    #[pymodule_export]
+    use crate::exact::{prove_solution, solutions};
     #[pymodule_export]
     use crate::interior::{potential_direction, potential_reduction};
     #[pymodule_export]
