@@ -19,9 +19,9 @@ mod _core {
     #[pymodule_export]
     use crate::classes::IntegerMatrix;
     #[pymodule_export]
-    use crate::explore::{satisfies, scan};
-    #[pymodule_export]
     use crate::exact::{prove_solution, solutions};
+    #[pymodule_export]
+    use crate::explore::{satisfies, scan};
     #[pymodule_export]
     use crate::interior::{potential_direction, potential_reduction};
     #[pymodule_export]
