@@ -41,6 +41,13 @@ def test_solve_reads_every_kind_of_file(files, arguments):
     assert lcpstar("solve", *(files / name for name in arguments)).stdout.startswith("status            solved")
 
 
+def test_paper_shows_the_misprint_of_row_97():
+    run = lcpstar("paper")
+    assert run.returncode == 0
+    assert "psi printed    1.1684   recomputed 1.1416" in run.stdout
+    assert "(0, 2, 7/2), not in the paper" in run.stdout
+
+
 def test_exit_status_one_when_not_solved(tmp_path):
     (tmp_path / "p.json").write_text('{"A": [[-1]], "q": [-1]}')
     run = lcpstar("solve", tmp_path / "p.json", "--json")

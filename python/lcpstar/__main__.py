@@ -12,7 +12,7 @@ from .errors import FileFormatError, LCPError
 from .files import read_problem
 from .solve import solve
 
-METHODS = ("auto", "lemke", "lemke_howson", "block_pivoting")
+METHODS = ("auto", "lemke", "lemke_howson", "block_pivoting", "potential_reduction")
 
 
 def main(argv: list[str] | None = None) -> int:
@@ -21,6 +21,8 @@ def main(argv: list[str] | None = None) -> int:
     parser.add_argument("--version", action="version", version=f"lcpstar {__version__}")
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     _add_solve(commands)
+    paper = commands.add_parser("paper", help="recompute the paper's example and its Table 1")
+    paper.set_defaults(run=_paper)
     arguments = parser.parse_args(argv)
     try:
         return int(arguments.run(arguments))
@@ -63,6 +65,13 @@ def _solve(arguments: argparse.Namespace) -> int:
     else:
         print(describe(solution))
     return 0 if solution.success else 1
+
+
+def _paper(arguments: argparse.Namespace) -> int:
+    from .paper import main as report
+
+    report()
+    return 0
 
 
 def describe(solution: Any) -> str:

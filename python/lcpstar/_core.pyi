@@ -5,6 +5,7 @@ from .coerce import Matrix, Vector
 from .options import MethodOptions, PotentialReductionOptions
 from .result import Certificate, Ray, Status
 
+__all__ = ["Solution", "__version__", "potential_direction", "potential_reduction", "ppt", "solve"]
 __version__: str
 
 @final
@@ -50,7 +51,7 @@ def solve(
     z0: Vector | None,
     options: MethodOptions | None,
 ) -> Solution: ...
-def ppt(a: Matrix, alpha: Sequence[int], q: Vector | None = ...) -> tuple[Matrix, Vector]: ...
+def ppt(a: Matrix, alpha: Sequence[int], q: Vector | None) -> tuple[Matrix, Vector]: ...
 def potential_reduction(
     a: Matrix,
     q: Vector,

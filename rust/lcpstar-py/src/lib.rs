@@ -3,8 +3,10 @@
 use pyo3::prelude::*;
 
 mod arrays;
+mod classes;
 mod errors;
 mod exact;
+mod explore;
 mod interior;
 mod solution;
 mod solve;
@@ -15,7 +17,11 @@ mod _core {
     use super::*;
 
     #[pymodule_export]
+    use crate::classes::IntegerMatrix;
+    #[pymodule_export]
     use crate::exact::{prove_solution, solutions};
+    #[pymodule_export]
+    use crate::explore::{satisfies, scan};
     #[pymodule_export]
     use crate::interior::{potential_direction, potential_reduction};
     #[pymodule_export]
