@@ -7,7 +7,7 @@ from . import errors
 from ._core import Solution, __version__
 from .errors import LCPError
 from .interior import potential_reduction
-from .options import BlockPivotingOptions, LemkeHowsonOptions, LemkeOptions, PotentialReductionOptions
+from .options import BilinearOptions, BlockPivotingOptions, LemkeHowsonOptions, LemkeOptions, PotentialReductionOptions
 from .result import Certificate, Ray, Status
 from .solutions import Face, solutions
 from .solve import ppt, solve
@@ -27,6 +27,7 @@ __all__ = [
     "Ray",
     "LemkeOptions",
     "LemkeHowsonOptions",
+    "BilinearOptions",
     "BlockPivotingOptions",
     "PotentialReductionOptions",
     "LCPError",
