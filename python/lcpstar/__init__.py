@@ -7,7 +7,13 @@ from . import errors
 from ._core import Solution, __version__
 from .errors import LCPError
 from .interior import potential_reduction
-from .options import BlockPivotingOptions, LemkeHowsonOptions, LemkeOptions, PotentialReductionOptions
+from .options import (
+    BlockPivotingOptions,
+    InteriorPointOptions,
+    LemkeHowsonOptions,
+    LemkeOptions,
+    PotentialReductionOptions,
+)
 from .result import Certificate, Ray, Status
 from .solve import ppt, solve
 
@@ -23,6 +29,7 @@ __all__ = [
     "LemkeHowsonOptions",
     "BlockPivotingOptions",
     "PotentialReductionOptions",
+    "InteriorPointOptions",
     "LCPError",
     "errors",
     "__version__",

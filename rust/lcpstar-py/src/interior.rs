@@ -1,6 +1,7 @@
 //! The interior point methods: `potential_reduction` with its trace, and options.
 
 use lcpstar::driver;
+use lcpstar::methods::interior_point;
 use lcpstar::methods::potential_reduction::{self as potential, DirectionSolver, Record, Settings, Stop};
 use lcpstar::{Control, LcpError};
 use numpy::{PyArray1, PyReadonlyArray1, PyReadonlyArray2};
@@ -38,6 +39,19 @@ pub fn set_potential_options(py: Python<'_>, settings: &mut Settings, options: &
         long_step: given.long_step.unwrap_or(settings.long_step),
         stop: settings.stop.clone(),
     };
+    Ok(())
+}
+
+/// Attributes of `lcpstar.InteriorPointOptions`.
+#[derive(FromPyObject)]
+struct InteriorPointOptions {
+    finish: Option<bool>,
+}
+
+/// Overwrites the settings that were given.
+pub fn set_interior_options(settings: &mut interior_point::Settings, options: &Bound<'_, PyAny>) -> PyResult<()> {
+    let given: InteriorPointOptions = options.extract()?;
+    settings.finish = given.finish.unwrap_or(settings.finish);
     Ok(())
 }
 

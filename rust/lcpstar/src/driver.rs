@@ -5,7 +5,7 @@ mod portfolio;
 use crate::certify::certify;
 use crate::control::Control;
 use crate::error::{LcpError, Result};
-use crate::methods::{block_pivoting, lemke, lemke_howson, potential_reduction};
+use crate::methods::{block_pivoting, interior_point, lemke, lemke_howson, potential_reduction};
 use crate::problem::{Lcp, check_finite};
 use crate::scaling::Equilibrated;
 use crate::solution::{Candidate, Solution};
@@ -28,6 +28,8 @@ pub enum Method {
     LemkeHowson(lemke_howson::Settings),
     /// Block principal pivoting for P-matrices.
     BlockPivoting(block_pivoting::Settings),
+    /// Homogeneous predictor-corrector; its `tol` and `z0` are those of the call.
+    InteriorPoint(interior_point::Settings),
     /// The paper's method; its stopping rule is replaced by one that gives `residual <= tol`.
     PotentialReduction(potential_reduction::Settings),
 }
@@ -38,7 +40,7 @@ pub const DEFAULT_RESTARTS: usize = 6;
 impl Method {
     /// Names accepted by [`Method::from_name`].
     pub const NAMES: &'static [&'static str] =
-        &["auto", "lemke", "lemke_howson", "block_pivoting", "potential_reduction"];
+        &["auto", "lemke", "lemke_howson", "block_pivoting", "potential_reduction", "interior_point"];
 
     /// The method of that name with its default options.
     ///
@@ -50,6 +52,7 @@ impl Method {
             "lemke" => Ok(Self::Lemke { settings: lemke::Settings::default(), restarts: DEFAULT_RESTARTS, seed: 0 }),
             "lemke_howson" => Ok(Self::LemkeHowson(lemke_howson::Settings::default())),
             "block_pivoting" => Ok(Self::BlockPivoting(block_pivoting::Settings::default())),
+            "interior_point" => Ok(Self::InteriorPoint(interior_point::Settings::default())),
             "potential_reduction" => Ok(Self::PotentialReduction(potential_reduction::Settings::default())),
             _ => Err(LcpError::UnknownName { name: "method", value: name.to_owned(), choices: Self::NAMES }),
         }
@@ -103,6 +106,11 @@ pub fn solve(lcp: &Lcp, settings: &Settings, control: &Control<'_>) -> Result<So
             let mut options = options.clone();
             options.alpha = options.alpha.or_else(|| settings.z0.as_deref().map(support));
             certify(&problem, block_pivoting::block_pivoting(scaled, &options, control), "block_pivoting", settings.tol)
+        }
+        Method::InteriorPoint(options) => {
+            let z0 = settings.z0.as_deref().map(|z0| problem.scaling.z_from_caller(z0));
+            let options = interior_point::Settings { tol: settings.tol, z0, ..options.clone() };
+            certify(&problem, interior_point::interior_point(scaled, &options, control), "interior_point", settings.tol)
         }
         Method::PotentialReduction(options) => {
             let stop = potential_reduction::Stop::Residual(settings.tol);

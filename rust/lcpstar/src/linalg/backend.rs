@@ -5,8 +5,12 @@
 //! (record in `benches/record/backend.md`).
 
 mod gram;
+mod row_space;
+mod shifted;
 
 pub use gram::{GramCholesky, StackedQr};
+pub use row_space::RowSpace;
+pub use shifted::{ShiftedFactor, Structure};
 
 use super::kernels::{dot_compensated, max_abs};
 use faer::linalg::solvers::{PartialPivLu, Solve};

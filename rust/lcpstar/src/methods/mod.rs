@@ -2,6 +2,7 @@
 //! [`Candidate`](crate::Candidate): it never imports another method and never judges its own answer.
 
 pub mod block_pivoting;
+pub mod interior_point;
 pub mod lemke;
 pub mod lemke_howson;
 pub mod potential_reduction;
