@@ -18,7 +18,7 @@ pub struct Finished {
     pub alpha: Vec<usize>,
     /// Whether `A[alpha, alpha]` is nonsingular and reproduces z.
     pub is_basis: bool,
-    /// Its residual on the equilibrated problem.
+    /// The larger of its equilibrated residual and its [`excess`].
     pub residual: f64,
 }
 
@@ -88,9 +88,18 @@ fn exchange(lcp: &Lcp, mut alpha: Vec<usize>) -> Option<Finished> {
 
 fn measured(lcp: &Lcp, mut z: Vec<f64>, alpha: Vec<usize>, is_basis: bool) -> Finished {
     z.iter_mut().for_each(|x| *x = x.max(0.0));
-    let residual = equilibrated_residual(&z, &slack(lcp, &z).0);
+    let (w, magnitude) = slack(lcp, &z);
+    let residual = equilibrated_residual(&z, &w).max(excess(&z, &w, &magnitude));
     let residual = if residual.is_nan() { f64::INFINITY } else { residual };
     Finished { z, alpha, is_basis, residual }
+}
+
+/// `max_i |min(z_i, w_i)|` beyond the rounding `8 eps (|A||z| + |q|)_i` of its row: unlike the equilibrated residual it
+/// is not divided by `max|z|`, so that a huge z cannot hide an error.
+#[must_use]
+pub fn excess(z: &[f64], w: &[f64], magnitude: &[f64]) -> f64 {
+    let beyond = |((&z, &w), &m): ((&f64, &f64), &f64)| z.min(w).abs() - 8.0 * f64::EPSILON * m;
+    z.iter().zip(w).zip(magnitude).map(beyond).fold(0.0, f64::max)
 }
 
 /// A point with the support `alpha` and `w_alpha = 0`.

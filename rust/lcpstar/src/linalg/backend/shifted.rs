@@ -62,6 +62,8 @@ impl Structure {
 pub struct ShiftedFactor {
     n: usize,
     structure: Structure,
+    /// Whether the last factorisation is LU.
+    pivoted: bool,
     /// Column-major; of a general A the transpose, so that rows are copied to columns.
     factor: Vec<f64>,
     scale: Vec<f64>,
@@ -70,22 +72,21 @@ pub struct ShiftedFactor {
     memory: MemBuffer,
 }
 
-/// Pivots of the scaled matrix below this are replaced (static regularisation); refinement repairs the answer.
+/// A pivot of the scaled matrix below this, or of the wrong sign, ends LDL'.
 const REGULARISATION: f64 = 1e-14;
 
 impl ShiftedFactor {
     /// Allocates everything for the order `n`.
     #[must_use]
     pub fn new(n: usize, structure: Structure) -> Self {
-        let scratch = match structure {
-            Structure::Symmetric => llt::factor::cholesky_in_place_scratch::<f64>(n, Par::Seq, Spec::default()),
-            Structure::SignSymmetric(_) => ldlt::factor::cholesky_in_place_scratch::<f64>(n, Par::Seq, Spec::default()),
-            Structure::General => lu::factor::lu_in_place_scratch::<usize, f64>(n, n, Par::Seq, Spec::default())
-                .or(lu::solve::solve_transpose_in_place_scratch::<usize, f64>(n, 1, Par::Seq)),
-        };
+        let scratch = llt::factor::cholesky_in_place_scratch::<f64>(n, Par::Seq, Spec::default())
+            .or(ldlt::factor::cholesky_in_place_scratch::<f64>(n, Par::Seq, Spec::default()))
+            .or(lu::factor::lu_in_place_scratch::<usize, f64>(n, n, Par::Seq, Spec::default()))
+            .or(lu::solve::solve_transpose_in_place_scratch::<usize, f64>(n, 1, Par::Seq));
         Self {
             n,
             structure,
+            pivoted: false,
             factor: vec![0.0; n * n],
             scale: vec![0.0; n],
             forward: vec![0; n],
@@ -94,41 +95,34 @@ impl ShiftedFactor {
         }
     }
 
-    /// The structure used.
+    /// The structure of A.
     #[must_use]
     pub fn structure(&self) -> &Structure {
         &self.structure
     }
 
-    /// Factors `A + diag(d)` for row-major A. O(n^3), no allocation. `false` when it cannot.
+    /// Factors `A + diag(d)` for row-major A by what its structure allows, or, when that meets a pivot of the wrong sign,
+    /// by LU. O(n^3), no allocation. `false` when neither works.
     pub fn factor(&mut self, a: &[f64], d: &[f64]) -> bool {
+        (self.structure != Structure::General && self.factor_unpivoted(a, d)) || self.factor_pivoted(a, d)
+    }
+
+    /// `true` after a factorisation without pivoting, whose answers may need more than refinement.
+    #[must_use]
+    pub fn can_pivot(&self) -> bool {
+        !self.pivoted
+    }
+
+    fn factor_unpivoted(&mut self, a: &[f64], d: &[f64]) -> bool {
+        self.pivoted = false;
+        self.load(a, d);
         let n = self.n;
-        for (s, d) in self.scale.iter_mut().zip(d) {
-            *s = 1.0 / (1.0 + d).sqrt();
-        }
-        let lower_only = self.structure == Structure::Symmetric;
-        for i in 0..n {
-            let mut s = self.scale[i];
-            if let Structure::SignSymmetric(signs) = &self.structure {
-                s *= f64::from(signs[i]);
-            }
-            // Row i of A becomes column i; of a symmetric matrix only the lower half is read.
-            let first = if lower_only { i } else { 0 };
-            let (row, column) = (&a[i * n + first..(i + 1) * n], &mut self.factor[i * n + first..(i + 1) * n]);
-            for ((c, x), t) in column.iter_mut().zip(row).zip(&self.scale[first..]) {
-                *c = s * x * t;
-            }
-            column[i - first] += s * d[i] * self.scale[i];
-        }
         let matrix = MatMut::from_column_major_slice_mut(&mut self.factor, n, n);
         let stack = MemStack::new(&mut self.memory);
         match &self.structure {
             Structure::Symmetric => {
-                let regularization = LltRegularization {
-                    dynamic_regularization_delta: REGULARISATION,
-                    dynamic_regularization_epsilon: REGULARISATION,
-                };
-                llt::factor::cholesky_in_place(matrix, regularization, Par::Seq, stack, Spec::default()).is_ok()
+                let plain = LltRegularization::default();
+                llt::factor::cholesky_in_place(matrix, plain, Par::Seq, stack, Spec::default()).is_ok()
             }
             Structure::SignSymmetric(signs) => {
                 let regularization = LdltRegularization {
@@ -136,19 +130,42 @@ impl ShiftedFactor {
                     dynamic_regularization_delta: REGULARISATION,
                     dynamic_regularization_epsilon: REGULARISATION,
                 };
-                ldlt::factor::cholesky_in_place(matrix, regularization, Par::Seq, stack, Spec::default()).is_ok()
+                ldlt::factor::cholesky_in_place(matrix, regularization, Par::Seq, stack, Spec::default())
+                    .is_ok_and(|info| info.dynamic_regularization_count == 0)
             }
-            Structure::General => {
-                lu::factor::lu_in_place(
-                    matrix,
-                    &mut self.forward,
-                    &mut self.backward,
-                    Par::Seq,
-                    stack,
-                    Spec::default(),
-                );
-                (0..n).all(|i| super::is_pivot(self.factor[i * n + i]))
+            Structure::General => false,
+        }
+    }
+
+    /// LU of `A + diag(d)` with partial pivoting. O(n^3), no allocation.
+    pub fn factor_pivoted(&mut self, a: &[f64], d: &[f64]) -> bool {
+        self.pivoted = true;
+        self.load(a, d);
+        let n = self.n;
+        let matrix = MatMut::from_column_major_slice_mut(&mut self.factor, n, n);
+        let stack = MemStack::new(&mut self.memory);
+        lu::factor::lu_in_place(matrix, &mut self.forward, &mut self.backward, Par::Seq, stack, Spec::default());
+        (0..n).all(|i| super::is_pivot(self.factor[i * n + i]))
+    }
+
+    /// `S (A + D) S`, with rows times their signs for LDL'. Row i of A becomes column i: the transpose for LU.
+    fn load(&mut self, a: &[f64], d: &[f64]) {
+        let n = self.n;
+        for (s, d) in self.scale.iter_mut().zip(d) {
+            *s = 1.0 / (1.0 + d).sqrt();
+        }
+        let lower_only = !self.pivoted && self.structure == Structure::Symmetric;
+        for i in 0..n {
+            let mut s = self.scale[i];
+            if let (false, Structure::SignSymmetric(signs)) = (self.pivoted, &self.structure) {
+                s *= f64::from(signs[i]);
             }
+            let first = if lower_only { i } else { 0 };
+            let (row, column) = (&a[i * n + first..(i + 1) * n], &mut self.factor[i * n + first..(i + 1) * n]);
+            for ((c, x), t) in column.iter_mut().zip(row).zip(&self.scale[first..]) {
+                *c = s * x * t;
+            }
+            column[i - first] += s * d[i] * self.scale[i];
         }
     }
 
@@ -161,19 +178,7 @@ impl ShiftedFactor {
         let stack = MemStack::new(&mut self.memory);
         let factor = MatRef::from_column_major_slice(&self.factor, n, n);
         match &self.structure {
-            Structure::Symmetric => {
-                let rhs = MatMut::from_column_major_slice_mut(&mut *x, n, 1);
-                llt::solve::solve_in_place(factor, rhs, Par::Seq, stack);
-            }
-            Structure::SignSymmetric(signs) => {
-                for (x, &s) in x.iter_mut().zip(signs) {
-                    *x *= f64::from(s);
-                }
-                let rhs = MatMut::from_column_major_slice_mut(&mut *x, n, 1);
-                let diagonal: DiagRef<'_, f64> = factor.diagonal();
-                ldlt::solve::solve_in_place(factor, diagonal, rhs, Par::Seq, stack);
-            }
-            Structure::General => {
+            _ if self.pivoted => {
                 let rhs = MatMut::from_column_major_slice_mut(&mut *x, n, 1);
                 let permutation = PermRef::new_checked(&self.forward, &self.backward, n);
                 lu::solve::solve_transpose_in_place_with_conj(
@@ -186,6 +191,19 @@ impl ShiftedFactor {
                     stack,
                 );
             }
+            Structure::Symmetric => {
+                let rhs = MatMut::from_column_major_slice_mut(&mut *x, n, 1);
+                llt::solve::solve_in_place(factor, rhs, Par::Seq, stack);
+            }
+            Structure::SignSymmetric(signs) => {
+                for (x, &s) in x.iter_mut().zip(signs) {
+                    *x *= f64::from(s);
+                }
+                let rhs = MatMut::from_column_major_slice_mut(&mut *x, n, 1);
+                let diagonal: DiagRef<'_, f64> = factor.diagonal();
+                ldlt::solve::solve_in_place(factor, diagonal, rhs, Par::Seq, stack);
+            }
+            Structure::General => {}
         }
         for (x, s) in x.iter_mut().zip(&self.scale) {
             *x *= s;

@@ -9,6 +9,8 @@ use crate::linalg::kernels::{dot, max_abs};
 
 /// Refinements of one solve at most.
 const REFINEMENTS: usize = 3;
+/// A last correction above this fraction calls for another factorisation.
+const ACCURATE: f64 = 1e-8;
 /// Refinement ends when a correction is below this fraction of the solution.
 const REFINED: f64 = 1e-13;
 /// Centrality correctors at most, and the growth of the step that each must bring.
@@ -55,11 +57,14 @@ pub struct Iterate {
     /// Right-hand sides: of the complementarity rows, and of the solve.
     rc: Vec<f64>,
     rk: f64,
+    /// Second-order term of `z'A z / tau` along the affine direction.
+    curvature: f64,
     rhs: Vec<f64>,
     work: Vec<f64>,
     direction: Direction,
     trial: Direction,
     trial_rc: Vec<f64>,
+    pub dbg: String,
 }
 
 impl Iterate {
@@ -84,11 +89,13 @@ impl Iterate {
             x_q: zeros(),
             rc: zeros(),
             rk: 0.0,
+            curvature: 0.0,
             rhs: zeros(),
             work: zeros(),
             direction: direction(),
             trial: direction(),
             trial_rc: zeros(),
+            dbg: String::new(),
         }
     }
 
@@ -137,13 +144,20 @@ impl Iterate {
         for (rhs, q) in self.rhs.iter_mut().zip(system.q()) {
             *rhs = -q;
         }
-        solve_refined(system, &self.d, &self.rhs, &mut self.x_q, &mut self.work);
+        let mut accurate = solve_refined(system, &self.d, &self.rhs, &mut self.x_q, &mut self.work);
+        if !accurate && system.factor_again(&self.d) {
+            accurate = solve_refined(system, &self.d, &self.rhs, &mut self.x_q, &mut self.work);
+        }
+        if self.x_q.iter().any(|x| !x.is_finite()) {
+            return None;
+        }
+        self.dbg = format!("acc {accurate}");
 
         self.affine_target();
         self.newton_direction(system, 1.0);
         let affine_step = self.longest_step().min(1.0);
         let sigma = centring(affine_step);
-        self.corrected_target(sigma);
+        self.corrected_target(system, sigma);
         self.newton_direction(system, 1.0 - sigma);
         let mut longest = self.longest_step();
         for _ in 0..CORRECTORS {
@@ -158,6 +172,11 @@ impl Iterate {
             return None;
         }
         self.take(step);
+        self.dbg += &format!(
+            "aff {affine_step:.2e} sigma {sigma:.1e} step {step:.3e} rp {:.1e} rg {:.1e}",
+            max_abs(&self.r_p),
+            self.r_g
+        );
         Some(step)
     }
 
@@ -167,11 +186,20 @@ impl Iterate {
             self.rc[i] = -self.z[i] * self.w[i];
         }
         self.rk = -self.tau * self.kappa;
+        self.curvature = 0.0;
     }
 
-    /// Mehrotra's second-order term and the centring `sigma mu`. [Meh92]
-    fn corrected_target(&mut self, sigma: f64) {
+    /// Mehrotra's second-order terms and the centring `sigma mu`. [Meh92]
+    ///
+    /// The form `z'A z / tau` has one, too, `v'A v / tau` with `v = dz - z dtau / tau`: without it a full step leaves a
+    /// quarter of the gap.
+    fn corrected_target(&mut self, system: &impl NewtonSystem, sigma: f64) {
         let d = &self.direction;
+        for i in 0..self.z.len() {
+            self.rhs[i] = d.z[i] - self.z[i] * (d.tau / self.tau);
+        }
+        system.multiply(&self.rhs, &mut self.work);
+        self.curvature = dot(&self.rhs, &self.work) / self.tau;
         for i in 0..self.z.len() {
             self.rc[i] = sigma * self.mu - self.z[i] * self.w[i] - d.z[i] * d.w[i];
         }
@@ -186,7 +214,7 @@ impl Iterate {
         solve_refined(system, &self.d, &self.rhs, &mut self.direction.z, &mut self.work);
         let d = &mut self.direction;
         let slope = self.kappa / self.tau + self.form / self.tau - dot(&self.gradient, &self.x_q);
-        d.tau = (self.rk / self.tau + eta * self.r_g + dot(&self.gradient, &d.z)) / slope;
+        d.tau = (self.rk / self.tau + eta * self.r_g + self.curvature + dot(&self.gradient, &d.z)) / slope;
         for i in 0..self.z.len() {
             d.z[i] += self.x_q[i] * d.tau;
             d.w[i] = (self.rc[i] - self.w[i] * d.z[i]) / self.z[i];
@@ -259,24 +287,25 @@ fn centring(affine_step: f64) -> f64 {
     (1.0 - affine_step).powi(3).clamp(1e-10, 1.0)
 }
 
-/// `x = (A + D)^-1 b`, refined on residuals in twice the working precision.
-fn solve_refined(system: &mut impl NewtonSystem, d: &[f64], b: &[f64], x: &mut [f64], work: &mut [f64]) {
+/// `x = (A + D)^-1 b`, refined on residuals in twice the working precision; whether the corrections died out.
+fn solve_refined(system: &mut impl NewtonSystem, d: &[f64], b: &[f64], x: &mut [f64], work: &mut [f64]) -> bool {
     x.copy_from_slice(b);
     system.back_solve(x);
     let mut last = f64::INFINITY;
     for _ in 0..REFINEMENTS {
         system.residual(d, x, b, work);
         system.back_solve(work);
-        let size = max_abs(work);
-        if !size.is_finite() || size > 0.5 * last {
+        let size = max_abs(work) / max_abs(x);
+        if size.is_nan() || size > 0.5 * last {
             break;
         }
         for (x, s) in x.iter_mut().zip(&*work) {
             *x += s;
         }
-        if size <= REFINED * max_abs(x) {
+        last = size;
+        if size <= REFINED {
             break;
         }
-        last = size;
     }
+    last <= ACCURATE
 }

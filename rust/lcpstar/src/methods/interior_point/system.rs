@@ -19,6 +19,8 @@ pub trait NewtonSystem {
     fn residual(&self, d: &[f64], x: &[f64], b: &[f64], y: &mut [f64]);
     /// Factors `A + diag(d)`, `d > 0`; `false` when that fails.
     fn factor(&mut self, d: &[f64]) -> bool;
+    /// Factors it again with more pivoting, if there is more; `false` when there is not or it fails.
+    fn factor_again(&mut self, d: &[f64]) -> bool;
     /// Replaces `x` by `(A + diag(d))^-1 x` with the last factorisation.
     fn back_solve(&mut self, x: &mut [f64]);
 }
@@ -72,6 +74,10 @@ impl NewtonSystem for Dense<'_> {
 
     fn factor(&mut self, d: &[f64]) -> bool {
         self.factor.factor(self.lcp.a(), d)
+    }
+
+    fn factor_again(&mut self, d: &[f64]) -> bool {
+        self.factor.can_pivot() && self.factor.factor_pivoted(self.lcp.a(), d)
     }
 
     fn back_solve(&mut self, x: &mut [f64]) {
