@@ -65,6 +65,7 @@ pub struct Iterate {
     trial: Direction,
     trial_rc: Vec<f64>,
     pub dbg: String,
+    pub rho: f64,
 }
 
 impl Iterate {
@@ -96,6 +97,7 @@ impl Iterate {
             trial: direction(),
             trial_rc: zeros(),
             dbg: String::new(),
+            rho: std::env::var("RHO").ok().and_then(|x| x.parse().ok()).unwrap_or(1e-10),
         }
     }
 
@@ -136,7 +138,7 @@ impl Iterate {
     /// factorisation fails or the direction is not finite.
     pub fn advance(&mut self, system: &mut impl NewtonSystem) -> Option<f64> {
         for i in 0..self.z.len() {
-            self.d[i] = self.w[i] / self.z[i];
+            self.d[i] = self.w[i] / self.z[i] + self.rho;
         }
         if !system.factor(&self.d) {
             return None;
