@@ -60,16 +60,6 @@ pub fn interior_point(lcp: &Lcp, settings: &Settings, control: &Control<'_>) -> 
         iterate.update_residuals(&system);
         let residual = iterate.residual(lcp.q());
         best.offer(&iterate, residual);
-        if std::env::var_os("IPMDBG").is_some() {
-            eprintln!(
-                "{iteration} res {residual:.2e} mu {:.2e} tau {:.2e} kappa {:.2e} zmax {:.2e} {}",
-                iterate.mu,
-                iterate.tau,
-                iterate.kappa,
-                max_abs(&iterate.z) / iterate.tau,
-                iterate.dbg
-            );
-        }
         if residual <= finish_at {
             if settings.finish {
                 best.finish(lcp);

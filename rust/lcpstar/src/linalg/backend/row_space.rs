@@ -63,8 +63,13 @@ impl RowSpace {
         &self.factor.P().arrays().0[..self.rank]
     }
 
+    /// `y := H_1 .. H_rank y`: the reflectors beyond the rank are rounding, or undefined where nothing was left.
     fn apply_q(&self, y: &mut Mat<f64>) {
-        let (basis, coefficients) = (self.factor.Q_basis(), self.factor.Q_coeff());
+        if self.rank == 0 {
+            return;
+        }
+        let basis = self.factor.Q_basis().get(.., ..self.rank);
+        let coefficients = self.factor.Q_coeff().get(.., ..self.rank);
         let scratch = householder::apply_block_householder_sequence_on_the_left_in_place_scratch::<f64>(
             self.n,
             coefficients.nrows(),
@@ -98,5 +103,7 @@ mod tests {
         let null = space.null_space();
         assert_eq!(null.len(), 2);
         assert!(null.iter().all(|v| times(v).iter().all(|x| x.abs() < 1e-14)));
+        let zero = RowSpace::new(2, 3, &[0.0; 6], 1e-12);
+        assert_eq!((zero.rank(), zero.shortest_solution(&[1.0, 1.0])), (0, vec![0.0; 3]));
     }
 }

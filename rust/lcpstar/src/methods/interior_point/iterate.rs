@@ -7,6 +7,9 @@
 use super::system::NewtonSystem;
 use crate::linalg::kernels::{dot, max_abs};
 
+/// Added to `W Z^-1`: a proximal term, which keeps the system solvable where A is singular on the support of z and
+/// vanishes from the residual as the steps do. [FriO12]
+const PROXIMITY: f64 = 1e-11;
 /// Refinements of one solve at most.
 const REFINEMENTS: usize = 3;
 /// A last correction above this fraction calls for another factorisation.
@@ -64,8 +67,6 @@ pub struct Iterate {
     direction: Direction,
     trial: Direction,
     trial_rc: Vec<f64>,
-    pub dbg: String,
-    pub rho: f64,
 }
 
 impl Iterate {
@@ -96,8 +97,6 @@ impl Iterate {
             direction: direction(),
             trial: direction(),
             trial_rc: zeros(),
-            dbg: String::new(),
-            rho: std::env::var("RHO").ok().and_then(|x| x.parse().ok()).unwrap_or(1e-10),
         }
     }
 
@@ -115,7 +114,8 @@ impl Iterate {
         self.mu = (dot(&self.z, &self.w) + self.tau * self.kappa) / (self.z.len() + 1) as f64;
     }
 
-    /// The equilibrated residual of `z / tau`, in working precision.
+    /// The equilibrated residual of `z / tau`, and a tenth of it before its division by `max|z|`: as `certify` will
+    /// look at it, so that a diverging z is not taken for convergence.
     #[must_use]
     pub fn residual(&self, q: &[f64]) -> f64 {
         let worst = self
@@ -125,20 +125,14 @@ impl Iterate {
             .zip(q)
             .map(|((z, az), q)| (z / self.tau).min(az / self.tau + q).abs())
             .fold(0.0, f64::max);
-        worst / (max_abs(&self.z) / self.tau).max(1.0)
-    }
-
-    /// `A z / tau + q`.
-    #[must_use]
-    pub fn slack(&self, q: &[f64]) -> Vec<f64> {
-        self.az.iter().zip(q).map(|(az, q)| az / self.tau + q).collect()
+        (worst / (max_abs(&self.z) / self.tau).max(1.0)).max(0.1 * worst)
     }
 
     /// Predictor, corrector, centrality correctors, step: one factorisation. The step length, or `None` when the
     /// factorisation fails or the direction is not finite.
     pub fn advance(&mut self, system: &mut impl NewtonSystem) -> Option<f64> {
         for i in 0..self.z.len() {
-            self.d[i] = self.w[i] / self.z[i] + self.rho;
+            self.d[i] = self.w[i] / self.z[i] + PROXIMITY;
         }
         if !system.factor(&self.d) {
             return None;
@@ -146,14 +140,13 @@ impl Iterate {
         for (rhs, q) in self.rhs.iter_mut().zip(system.q()) {
             *rhs = -q;
         }
-        let mut accurate = solve_refined(system, &self.d, &self.rhs, &mut self.x_q, &mut self.work);
+        let accurate = solve_refined(system, &self.d, &self.rhs, &mut self.x_q, &mut self.work);
         if !accurate && system.factor_again(&self.d) {
-            accurate = solve_refined(system, &self.d, &self.rhs, &mut self.x_q, &mut self.work);
+            solve_refined(system, &self.d, &self.rhs, &mut self.x_q, &mut self.work);
         }
         if self.x_q.iter().any(|x| !x.is_finite()) {
             return None;
         }
-        self.dbg = format!("acc {accurate}");
 
         self.affine_target();
         self.newton_direction(system, 1.0);
@@ -169,16 +162,8 @@ impl Iterate {
             let Some(better) = self.centrality_corrector(system, sigma, longest) else { break };
             longest = better;
         }
-        let step = (longest * TO_BOUNDARY.max(1.0 - self.mu)).min(1.0);
-        if !step.is_finite() || self.direction.z.iter().any(|x| !x.is_finite()) {
-            return None;
-        }
+        let step = (longest * (1.0 - self.mu).clamp(TO_BOUNDARY, NEARLY)).min(1.0);
         self.take(step);
-        self.dbg += &format!(
-            "aff {affine_step:.2e} sigma {sigma:.1e} step {step:.3e} rp {:.1e} rg {:.1e}",
-            max_abs(&self.r_p),
-            self.r_g
-        );
         Some(step)
     }
 
@@ -281,8 +266,9 @@ impl Iterate {
     }
 }
 
-/// Fraction of the way to the boundary; more, `1 - mu`, near the solution.
+/// Fraction of the way to the boundary; more, `1 - mu`, near the solution, but never all of it.
 const TO_BOUNDARY: f64 = 0.95;
+const NEARLY: f64 = 0.999;
 
 /// Mehrotra's centring from the step that the affine direction allows.
 fn centring(affine_step: f64) -> f64 {
