@@ -2,11 +2,12 @@
 
 import math
 
-import lcpstar
 import numpy as np
 import pytest
-from lcpstar import _core
 from mpmath import mp, mpf
+
+import lcpstar
+from lcpstar import _core
 
 PAPER_A = [[0, 1, 1], [2, 0, 2], [-2, -5, 0]]
 PAPER_Q = [-4, -7, 10]

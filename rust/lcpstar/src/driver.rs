@@ -7,7 +7,7 @@ use crate::control::Control;
 use crate::error::{LcpError, Result};
 use crate::methods::{block_pivoting, interior_point, lemke, lemke_howson, potential_reduction};
 use crate::problem::{Lcp, check_finite};
-use crate::scaling::Equilibrated;
+use crate::scaling::{Equilibrated, exponent, times_power_of_two};
 use crate::solution::{Candidate, Solution};
 
 /// The method and its options. Vectors (`d`) are in the caller's units.
@@ -94,7 +94,7 @@ pub fn solve(lcp: &Lcp, settings: &Settings, control: &Control<'_>) -> Result<So
         Method::Auto => portfolio::auto(&problem, settings, control),
         Method::Lemke { settings: options, restarts, seed } => match &options.d {
             Some(d) => {
-                let options = lemke::Settings { d: Some(problem.scaling.w_from_caller(d)) };
+                let options = lemke::Settings { d: Some(covering_vector(&problem, d)) };
                 certify(&problem, lemke::lemke::<f64>(scaled, &options, control), "lemke", settings.tol)
             }
             None => portfolio::lemke(&problem, *restarts, *seed, settings.tol, control),
@@ -216,6 +216,15 @@ fn warm(problem: &Equilibrated<'_>, settings: &Settings) -> Option<Solution> {
     let candidate = Candidate { alpha: Some(alpha), ..Candidate::point(z, crate::Termination::ComplementaryBasis, 0) };
     let solution = certify(problem, candidate, "warm_start", settings.tol);
     (solution.status == crate::Status::Solved).then_some(solution)
+}
+
+/// The caller's covering vector on the equilibrated problem, scaled to a maximum near 1: a common factor only changes
+/// the unit of `z_0`, which should be that of everything else.
+fn covering_vector(problem: &Equilibrated<'_>, d: &[f64]) -> Vec<f64> {
+    let scaled = |d: &f64, shift: i32| times_power_of_two(*d, shift);
+    let shift = |d: &f64, r: &i32| exponent(*d) + r;
+    let largest = d.iter().zip(&problem.scaling.rows).map(|(d, r)| shift(d, r)).max().unwrap_or(0);
+    d.iter().zip(&problem.scaling.rows).map(|(d, r)| scaled(d, r - largest).max(f64::MIN_POSITIVE)).collect()
 }
 
 /// Indices of the positive entries.

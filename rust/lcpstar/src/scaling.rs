@@ -44,7 +44,8 @@ fn power_of_two(e: i32) -> f64 {
 }
 
 /// The exponent `e` with `2^(e-1) <= |x| < 2^e`; `ZERO` for zero.
-fn exponent(x: f64) -> i32 {
+#[must_use]
+pub fn exponent(x: f64) -> i32 {
     let biased = ((x.to_bits() >> 52) & 0x7ff) as i32;
     match biased {
         0 if x == 0.0 => ZERO,

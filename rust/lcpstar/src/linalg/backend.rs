@@ -1,7 +1,7 @@
 //! The one file that names nalgebra and faer.
 //!
 //! Dense square systems: nalgebra below [`CUT_OVER`], where a factorisation costs less than faer's dispatch, faer from
-//! there on, where blocking pays. The cut-over was measured by `cargo bench --bench backend`
+//! there on, where blocking pays. The cut-over was measured by `cargo bench -p lcpstar --bench backend`
 //! (record in `benches/record/backend.md`).
 
 mod gram;
@@ -17,7 +17,7 @@ use faer::linalg::solvers::{PartialPivLu, Solve};
 use nalgebra::{DMatrix, DVector, Dyn, LU};
 
 /// Order from which faer is the faster of the two.
-pub const CUT_OVER: usize = 32;
+pub const CUT_OVER: usize = 48;
 
 /// `P B = L U` of a dense square matrix, by partial pivoting.
 pub struct DenseLu {
@@ -35,16 +35,23 @@ impl DenseLu {
     #[must_use]
     pub fn new(n: usize, b: &[f64]) -> Option<Self> {
         debug_assert!(b.len() == n * n);
-        let factors = if n < CUT_OVER {
-            let lu = LU::new(DMatrix::from_row_slice(n, n, b));
-            let u = lu.u();
-            (0..n).all(|i| is_pivot(u[(i, i)])).then_some(Factors::Small(lu))?
-        } else {
-            let lu = PartialPivLu::new(faer::MatRef::from_row_major_slice(b, n, n));
-            let u = lu.U();
-            (0..n).all(|i| is_pivot(u[(i, i)])).then_some(Factors::Large(lu))?
-        };
-        Some(Self { n, factors })
+        if n < CUT_OVER { Self::small(n, b) } else { Self::large(n, b) }
+    }
+
+    /// As [`DenseLu::new`], by nalgebra whatever n is.
+    #[must_use]
+    pub fn small(n: usize, b: &[f64]) -> Option<Self> {
+        let lu = LU::new(DMatrix::from_row_slice(n, n, b));
+        let u = lu.lu_internal();
+        (0..n).all(|i| is_pivot(u[(i, i)])).then_some(Self { n, factors: Factors::Small(lu) })
+    }
+
+    /// As [`DenseLu::new`], by faer whatever n is.
+    #[must_use]
+    pub fn large(n: usize, b: &[f64]) -> Option<Self> {
+        let lu = PartialPivLu::new(faer::MatRef::from_row_major_slice(b, n, n));
+        let u = lu.U();
+        (0..n).all(|i| is_pivot(u[(i, i)])).then_some(Self { n, factors: Factors::Large(lu) })
     }
 
     /// `B^-1 b`. O(n^2).

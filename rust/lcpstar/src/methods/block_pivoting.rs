@@ -63,8 +63,8 @@ pub fn block_pivoting(lcp: &Lcp, settings: &Settings, control: &Control<'_>) -> 
         if infeasible.len() < fewest {
             fewest = infeasible.len();
             patience = settings.patience;
-        } else if patience > 0 {
-            patience -= 1;
+        } else {
+            patience = patience.saturating_sub(1);
         }
         if patience > 0 {
             infeasible.iter().for_each(|&i| in_alpha[i] = !in_alpha[i]);

@@ -167,7 +167,7 @@ pub fn potential_reduction(
         Some(z0) => checked_start(lcp, z0)?,
         None => match strictly_feasible(lcp, control) {
             Ok(z) => Point { w: slack(lcp, &z).0, z },
-            Err(failed) => return Ok(failed),
+            Err(failed) => return Ok(*failed),
         },
     };
     let scaling = Scaling::new(lcp);

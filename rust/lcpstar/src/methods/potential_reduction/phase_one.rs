@@ -24,7 +24,7 @@ const PROGRESS: f64 = 1e-4;
 /// # Errors
 /// The last point, when `t >= 0` stops falling: then no `z > 0` with `A z + q > 0` was found, and for exact
 /// arithmetic none exists (the problem in (z, t) is convex).
-pub fn strictly_feasible(lcp: &Lcp, control: &Control<'_>) -> Result<Vec<f64>, Candidate> {
+pub fn strictly_feasible(lcp: &Lcp, control: &Control<'_>) -> Result<Vec<f64>, Box<Candidate>> {
     let problem = Equilibrated::new(lcp);
     let mut search = Search::new(&problem.lcp);
     let mut window_start = f64::INFINITY;
@@ -52,7 +52,7 @@ pub fn strictly_feasible(lcp: &Lcp, control: &Control<'_>) -> Result<Vec<f64>, C
     }
     let z = problem.scaling.z_to_caller(&search.z);
     let strict = z.iter().chain(&slack(lcp, &z).0).all(|&x| x > 0.0 && x.is_finite());
-    if strict { Ok(z) } else { Err(Candidate::point(z, reason, 0)) }
+    if strict { Ok(z) } else { Err(Box::new(Candidate::point(z, reason, 0))) }
 }
 
 struct Search<'a> {
@@ -115,8 +115,10 @@ impl<'a> Search<'a> {
     }
 }
 
+type LinearMap = Box<dyn Fn(&[f64]) -> Vec<f64>>;
+
 /// `g -> (I + B'B)^-1 g`.
-fn solver(n: usize, b: &[f64]) -> Box<dyn Fn(&[f64]) -> Vec<f64>> {
+fn solver(n: usize, b: &[f64]) -> LinearMap {
     match GramCholesky::new(n, b) {
         Some(factor) => Box::new(move |g| factor.solve(g)),
         None => {
