@@ -108,9 +108,8 @@ pub fn solve(lcp: &Lcp, settings: &Settings, control: &Control<'_>) -> Result<So
             certify(&problem, block_pivoting::block_pivoting(scaled, &options, control), "block_pivoting", settings.tol)
         }
         Method::InteriorPoint(options) => {
-            let z0 = settings.z0.as_deref().map(|z0| problem.scaling.z_from_caller(z0));
-            let options = interior_point::Settings { tol: settings.tol, z0, ..options.clone() };
-            certify(&problem, interior_point::interior_point(scaled, &options, control), "interior_point", settings.tol)
+            let found = interior_point_candidate(&problem, settings, options, control);
+            certify(&problem, found, "interior_point", settings.tol)
         }
         Method::PotentialReduction(options) => {
             let stop = potential_reduction::Stop::Residual(settings.tol);
@@ -119,6 +118,29 @@ pub fn solve(lcp: &Lcp, settings: &Settings, control: &Control<'_>) -> Result<So
             reduce_potential(&problem, z0, &options, control, settings.tol, |_| ())?
         }
     })
+}
+
+/// Runs the interior point method on `D A D`, because `D_r A D_c` with `D_r != D_c` need not be monotone when A is.
+fn interior_point_candidate(
+    problem: &Equilibrated<'_>,
+    settings: &Settings,
+    options: &interior_point::Settings,
+    control: &Control<'_>,
+) -> Candidate {
+    let target = &problem.scaling;
+    let scaling = target.congruent(problem.original);
+    let tol = (settings.tol / scaling.distance(target).max(1.0)).max(f64::EPSILON);
+    let z0 = settings.z0.as_deref().map(|z0| scaling.z_from_caller(z0));
+    let options = interior_point::Settings { tol, z0, ..options.clone() };
+    if scaling == *target {
+        return interior_point::interior_point(&problem.lcp, &options, control);
+    }
+    let congruent = Equilibrated::with(problem.original, scaling);
+    let found = interior_point::interior_point(&congruent.lcp, &options, control);
+    let from = &congruent.scaling;
+    let carried = |y: &Vec<f64>| target.multiplier_from_caller(&from.multiplier_to_caller(y));
+    let farkas = found.farkas.as_ref().map(carried);
+    Candidate { z: target.z_from_caller(&from.z_to_caller(&found.z)), farkas, ..found }
 }
 
 /// The paper's potential reduction method with its own stopping rule; `trace` receives each row of its table.

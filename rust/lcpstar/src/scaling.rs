@@ -89,9 +89,23 @@ impl Scaling {
                 break;
             }
         }
-        let largest = lcp.q().iter().zip(&rows).map(|(&x, r)| exponent(x) + r).max().unwrap_or(ZERO);
-        let q = if largest < ZERO / 2 { 0 } else { -largest };
+        let q = exponent_of_q(lcp, &rows);
         Self { rows, columns, q }
+    }
+
+    /// The scaling `D A D` nearest to `D_r A D_c`: congruent to A, so that PSD stays PSD.
+    #[must_use]
+    pub fn congruent(&self, lcp: &Lcp) -> Self {
+        let rows: Vec<i32> = self.rows.iter().zip(&self.columns).map(|(r, c)| (r + c).div_euclid(2)).collect();
+        Self { q: exponent_of_q(lcp, &rows), columns: rows.clone(), rows }
+    }
+
+    /// The largest factor by which a residual can grow on the way from this scaling to `other`.
+    #[must_use]
+    pub fn distance(&self, other: &Self) -> f64 {
+        let rows = self.rows.iter().zip(&other.rows).map(|(a, b)| b - a + other.q - self.q);
+        let columns = self.columns.iter().zip(&other.columns).map(|(a, b)| a - b + other.q - self.q);
+        times_power_of_two(1.0, rows.chain(columns).max().unwrap_or(0))
     }
 
     /// `z` of the caller from `z'` of the equilibrated problem.
@@ -129,6 +143,18 @@ impl Scaling {
     pub fn multiplier_to_caller(&self, y: &[f64]) -> Vec<f64> {
         y.iter().zip(&self.rows).map(|(&y, &r)| times_power_of_two(y, r)).collect()
     }
+
+    /// The inverse of [`multiplier_to_caller`](Self::multiplier_to_caller).
+    #[must_use]
+    pub fn multiplier_from_caller(&self, y: &[f64]) -> Vec<f64> {
+        y.iter().zip(&self.rows).map(|(&y, &r)| times_power_of_two(y, -r)).collect()
+    }
+}
+
+/// The `e` with `max|2^e D_r q|` in [1/2, 1).
+fn exponent_of_q(lcp: &Lcp, rows: &[i32]) -> i32 {
+    let largest = lcp.q().iter().zip(rows).map(|(&x, r)| exponent(x) + r).max().unwrap_or(ZERO);
+    if largest < ZERO / 2 { 0 } else { -largest }
 }
 
 /// Moves `exponent` half the way that brings the largest entry, `2^largest`, to 1; `false` when it is there.
@@ -145,7 +171,12 @@ impl<'a> Equilibrated<'a> {
     /// Equilibrates `original`. O(n^2).
     #[must_use]
     pub fn new(original: &'a Lcp) -> Self {
-        let scaling = Scaling::new(original);
+        Self::with(original, Scaling::new(original))
+    }
+
+    /// Scales `original` as told. O(n^2).
+    #[must_use]
+    pub fn with(original: &'a Lcp, scaling: Scaling) -> Self {
         let n = original.n();
         let mut a = Vec::with_capacity(n * n);
         for i in 0..n {
