@@ -11,7 +11,7 @@ pub use system::{Dense, NewtonSystem};
 
 use crate::control::Control;
 use crate::linalg::kernels::max_abs;
-use crate::pivoting::finish::finish;
+use crate::pivoting::finish::{Finished, finish, finish_quickly};
 use crate::problem::Lcp;
 use crate::residual::{equilibrated_residual, slack};
 use crate::solution::Candidate;
@@ -40,6 +40,9 @@ pub const DEFAULT_MAX_ITERATIONS: usize = 100;
 /// The finish is tried first at this residual, however small `tol` is; then each time the residual fell as much again.
 const FIRST_FINISH: f64 = 1e-9;
 const NEXT_FINISH: f64 = 1e-2;
+/// Its cheap half, one factorisation, is tried from this residual on, each time the residual fell as much again.
+const FIRST_QUICK: f64 = 1e-4;
+const NEXT_QUICK: f64 = 0.1;
 /// Steps below this ...
 const SHORT_STEP: f64 = 1e-3;
 /// ... this many times in a row end the method.
@@ -53,6 +56,7 @@ pub fn interior_point(lcp: &Lcp, settings: &Settings, control: &Control<'_>) -> 
     let mut iterate = start(lcp, settings.z0.as_deref());
     let mut system = Dense::new(lcp);
     let mut finish_at = settings.tol.max(FIRST_FINISH);
+    let mut quick_at = FIRST_QUICK;
     let mut best = Best::default();
     let mut short_steps = 0;
     let mut iteration = 0;
@@ -68,6 +72,11 @@ pub fn interior_point(lcp: &Lcp, settings: &Settings, control: &Control<'_>) -> 
                 break Termination::Converged;
             }
             finish_at = residual * NEXT_FINISH;
+        } else if settings.finish && residual <= quick_at {
+            if best.finish_quickly(lcp) && best.residual <= settings.tol {
+                break Termination::Converged;
+            }
+            quick_at = residual * NEXT_QUICK;
         }
         if iterate.tau < TAU_VANISHES * iterate.kappa
             && let Some(farkas) = infeasible::farkas_vector(lcp, &iterate.z, &iterate.w)
@@ -141,10 +150,21 @@ impl Best {
 
     fn finish(&mut self, lcp: &Lcp) {
         if let Some(found) = finish(lcp, &self.z, &self.w).filter(|found| found.residual <= self.residual) {
-            self.z = found.z;
-            self.alpha = found.is_basis.then_some(found.alpha);
-            self.residual = found.residual;
+            self.accept(found);
         }
+    }
+
+    fn finish_quickly(&mut self, lcp: &Lcp) -> bool {
+        let found = finish_quickly(lcp, &self.z, &self.w).filter(|found| found.residual <= self.residual);
+        let is_some = found.is_some();
+        found.into_iter().for_each(|found| self.accept(found));
+        is_some
+    }
+
+    fn accept(&mut self, found: Finished) {
+        self.z = found.z;
+        self.alpha = found.is_basis.then_some(found.alpha);
+        self.residual = found.residual;
     }
 
     fn z_or(&self, iterate: &Iterate) -> Vec<f64> {
