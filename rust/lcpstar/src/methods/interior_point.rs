@@ -104,7 +104,7 @@ pub fn interior_point(lcp: &Lcp, settings: &Settings, control: &Control<'_>) -> 
     Candidate { alpha: best.alpha, ..Candidate::point(best.z, termination, iteration) }
 }
 
-/// `z = w = e`, `tau = kappa = 1`; with a guess, its point pushed into the interior as far as its residual is large.
+/// `z = w = 0.3 e`, `tau = 1`, all products equal; with a guess, its point pushed into the interior as far as its residual is large.
 fn start(lcp: &Lcp, z0: Option<&[f64]>) -> Iterate {
     let n = lcp.n();
     if let Some(z0) = z0 {
@@ -116,9 +116,11 @@ fn start(lcp: &Lcp, z0: Option<&[f64]>) -> Iterate {
             return Iterate::new(z0.iter().map(push).collect(), w0.iter().map(push).collect(), 1.0, floor * floor);
         }
     }
-    Iterate::new(vec![1.0; n], vec![1.0; n], 1.0, 1.0)
+    Iterate::new(vec![START; n], vec![START; n], 1.0, START * START)
 }
 
+/// Entries of the cold start. Measured: on an equilibrated problem 0.1 to 0.3 takes one iteration less than 1.
+const START: f64 = 0.3;
 /// A guess with a larger residual is no better than the cold start.
 const WARM: f64 = 1e-2;
 

@@ -21,9 +21,30 @@ pub enum Structure {
 }
 
 impl Structure {
-    /// Finds the signs by walking the graph of A. O(n^2).
+    /// Compares A with A' tile by tile, then finds the signs by walking the graph of A. O(n^2).
     #[must_use]
     pub fn of(n: usize, a: &[f64]) -> Self {
+        const TILE: usize = 16;
+        let (mut symmetric, mut sign_symmetric) = (true, true);
+        for top in (0..n).step_by(TILE) {
+            for left in (0..=top).step_by(TILE) {
+                for i in top..(top + TILE).min(n) {
+                    for j in left..(left + TILE).min(n) {
+                        let (x, y) = (a[i * n + j], a[j * n + i]);
+                        symmetric &= x == y;
+                        sign_symmetric &= x.abs() == y.abs();
+                    }
+                }
+            }
+            if !sign_symmetric {
+                return Self::General;
+            }
+        }
+        if symmetric { Self::Symmetric } else { Self::by_signs(n, a) }
+    }
+
+    /// As [`of`](Self::of), for `|A| = |A'|`.
+    fn by_signs(n: usize, a: &[f64]) -> Self {
         let mut signs = vec![0i8; n];
         let mut stack = Vec::new();
         for root in 0..n {
@@ -54,7 +75,7 @@ impl Structure {
                 }
             }
         }
-        if signs.iter().all(|&s| s == 1) { Self::Symmetric } else { Self::SignSymmetric(signs) }
+        Self::SignSymmetric(signs)
     }
 }
 

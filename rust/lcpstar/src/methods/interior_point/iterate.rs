@@ -14,6 +14,8 @@ const PROXIMITY: f64 = 1e-11;
 const REFINEMENTS: usize = 3;
 /// A last correction above this fraction calls for another factorisation.
 const ACCURATE: f64 = 1e-8;
+/// A first correction below this fraction: solves with this factorisation are good as they are.
+const GOOD: f64 = 1e-11;
 /// Refinement ends when a correction is below this fraction of the solution.
 const REFINED: f64 = 1e-13;
 /// Centrality correctors at most, and the growth of the step that each must bring.
@@ -67,6 +69,8 @@ pub struct Iterate {
     direction: Direction,
     trial: Direction,
     trial_rc: Vec<f64>,
+    /// Whether the current factorisation needs refinement.
+    refine: bool,
 }
 
 impl Iterate {
@@ -97,6 +101,7 @@ impl Iterate {
             direction: direction(),
             trial: direction(),
             trial_rc: zeros(),
+            refine: false,
         }
     }
 
@@ -140,9 +145,9 @@ impl Iterate {
         for (rhs, q) in self.rhs.iter_mut().zip(system.q()) {
             *rhs = -q;
         }
-        let accurate = solve_refined(system, &self.d, &self.rhs, &mut self.x_q, &mut self.work);
-        if !accurate && system.factor_again(&self.d) {
-            solve_refined(system, &self.d, &self.rhs, &mut self.x_q, &mut self.work);
+        self.refine = false;
+        if !self.solve_for_q(system) && system.factor_again(&self.d) {
+            self.solve_for_q(system);
         }
         if self.x_q.iter().any(|x| !x.is_finite()) {
             return None;
@@ -165,6 +170,27 @@ impl Iterate {
         let step = (longest * (1.0 - self.mu).clamp(TO_BOUNDARY, NEARLY)).min(1.0);
         self.take(step);
         Some(step)
+    }
+
+    /// `x_q = -(A + D)^-1 q`, on which the factorisation is tried out: when the first correction, from a residual in
+    /// working precision, is small, this factorisation needs no refinement; otherwise every solve gets it. Whether
+    /// the result is accurate.
+    fn solve_for_q(&mut self, system: &mut impl NewtonSystem) -> bool {
+        self.x_q.copy_from_slice(&self.rhs);
+        system.back_solve(&mut self.x_q);
+        system.multiply(&self.x_q, &mut self.work);
+        for i in 0..self.work.len() {
+            self.work[i] = self.rhs[i] - self.d[i] * self.x_q[i] - self.work[i];
+        }
+        system.back_solve(&mut self.work);
+        self.refine = !(max_abs(&self.work) <= GOOD * max_abs(&self.x_q));
+        if self.refine {
+            return solve_refined(system, &self.d, &self.rhs, &mut self.x_q, &mut self.work);
+        }
+        for (x, c) in self.x_q.iter_mut().zip(&self.work) {
+            *x += c;
+        }
+        true
     }
 
     /// Right-hand side of the affine direction.
@@ -198,7 +224,12 @@ impl Iterate {
         for i in 0..self.z.len() {
             self.rhs[i] = self.rc[i] / self.z[i] + eta * self.r_p[i];
         }
-        solve_refined(system, &self.d, &self.rhs, &mut self.direction.z, &mut self.work);
+        if self.refine {
+            solve_refined(system, &self.d, &self.rhs, &mut self.direction.z, &mut self.work);
+        } else {
+            self.direction.z.copy_from_slice(&self.rhs);
+            system.back_solve(&mut self.direction.z);
+        }
         let d = &mut self.direction;
         let slope = self.kappa / self.tau + self.form / self.tau - dot(&self.gradient, &self.x_q);
         d.tau = (self.rk / self.tau + eta * self.r_g + self.curvature + dot(&self.gradient, &d.z)) / slope;
