@@ -85,7 +85,9 @@ def clarabel_peer(A, q, tol):
     settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = tol
     P = sparse.triu(sparse.csc_matrix(A), format="csc")
     cones = [clarabel.NonnegativeConeT(n)]
-    return np.array(clarabel.DefaultSolver(P, q, -sparse.identity(n, format="csc"), np.zeros(n), cones, settings).solve().x)
+    return np.array(
+        clarabel.DefaultSolver(P, q, -sparse.identity(n, format="csc"), np.zeros(n), cones, settings).solve().x
+    )
 
 
 def piqp_peer(A, q, tol):
@@ -169,14 +171,19 @@ def beside_peers() -> tuple[str, list[dict[str, object]]]:
 
 
 def per_tolerance() -> str:
-    lines = ["| tol | iterations | time | achieved, without the finish | achieved, with it |", "| --- | --- | --- | --- | --- |"]
+    lines = [
+        "| tol | iterations | time | achieved, without the finish | achieved, with it |",
+        "| --- | --- | --- | --- | --- |",
+    ]
     A, q = problems.random_spd(200, 2)
     for exponent in range(2, 15, 2):
         tol = 10.0**-exponent
         plain, finished = ours(A, q, tol, finish=False), ours(A, q, tol)
         seconds = median_seconds(lambda tol=tol: ours(A, q, tol, finish=False))
         reached = f"{plain.residual:.0e}" + ("" if plain.success else " (not reached)")
-        lines.append(f"| 1e-{exponent} | {plain.iterations} | {1e3 * seconds:.2f} ms | {reached} | {finished.residual:.0e} |")
+        lines.append(
+            f"| 1e-{exponent} | {plain.iterations} | {1e3 * seconds:.2f} ms | {reached} | {finished.residual:.0e} |"
+        )
     return "\n".join(lines)
 
 

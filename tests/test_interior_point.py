@@ -184,3 +184,60 @@ def test_limits_stop_it():
     assert stopped.status == "max_iterations"
     assert stopped.iterations == 2
     assert solve(A, q, time_limit=1e-9).status == "time_limit"
+
+
+@pytest.fixture(scope="module")
+def sparse():
+    return pytest.importorskip("scipy.sparse")
+
+
+@pytest.mark.parametrize("convert", ["csr_array", "csc_array", "coo_array", "csr_matrix"])
+def test_sparse_symmetric_obstacle_problem(sparse, convert):
+    m = 20
+    T = sparse.diags_array([-1.0, 2.0, -1.0], offsets=[-1, 0, 1], shape=(m, m))
+    A = sparse.kron(T, sparse.eye_array(m)) + sparse.kron(sparse.eye_array(m), T)
+    q = np.random.default_rng(0).standard_normal(m * m) * 0.1
+    sol = lcpstar.solve(getattr(sparse, convert)(A), q)
+    assert sol.status == "solved"
+    assert sol.residual <= 1e-12
+    assert np.abs(np.minimum(sol.z, A @ sol.z + q)).max() <= 1e-13
+    assert sol.z == pytest.approx(lcpstar.solve(A.toarray(), q).z, abs=1e-10)
+
+
+def test_sparse_kkt_system_and_its_infeasible_sister(sparse):
+    rng = np.random.default_rng(1)
+    k, m = 60, 30
+    seen = set()
+    for density in (0.05, 0.1, 0.5, 0.5):
+        R = sparse.csr_array(rng.standard_normal((m, k)) * (rng.random((m, k)) < density))
+        A = sparse.block_array([[sparse.eye_array(k), -R.T], [R, None]], format="csc")
+        q = np.concatenate([rng.standard_normal(k), -0.1 * rng.random(m)])
+        sol = lcpstar.solve(A, q)
+        seen.add(sol.status.value)
+        if sol.success:
+            assert np.abs(np.minimum(sol.z, A @ sol.z + q)).max() <= 1e-12
+        else:
+            assert sol.status == "infeasible"
+            assert farkas_holds(A.toarray(), q, sol.certificate.y)
+    assert seen == {"solved", "infeasible"}
+    stuck = lcpstar.solve(sparse.csr_array(np.array([[1.0, -1], [-1, 1]])), [-1, -1])
+    assert stuck.status == "infeasible"
+    assert farkas_holds(np.array([[1.0, -1], [-1, 1]]), np.array([-1.0, -1]), stuck.certificate.y)
+
+
+def test_sparse_input_errors(sparse):
+    A = sparse.csr_array(np.eye(2))
+    with pytest.raises(lcpstar.errors.ShapeError):
+        lcpstar.solve(A, [1.0])
+    with pytest.raises(lcpstar.errors.ShapeError):
+        lcpstar.solve(sparse.csr_array(np.ones((2, 3))), [1.0, 1.0])
+    with pytest.raises(lcpstar.errors.NotFiniteError, match=r"A\.data"):
+        lcpstar.solve(sparse.csr_array(np.array([[1.0, np.nan], [0, 1]])), [-1.0, 1.0])
+    with pytest.raises(lcpstar.errors.DTypeError):
+        lcpstar.solve(sparse.csr_array(np.eye(2, dtype=complex)), [1.0, 1.0])
+    with pytest.raises(lcpstar.errors.UnknownNameError):
+        lcpstar.solve(A, [1.0, 1.0], method="lemke")
+    with pytest.raises(lcpstar.errors.ShapeError, match="z0"):
+        lcpstar.solve(A, [-1.0, 1.0], z0=[1.0])
+    with pytest.raises(lcpstar.errors.OptionTypeError):
+        lcpstar.solve(A, [-1.0, 1.0], options=lcpstar.LemkeOptions())

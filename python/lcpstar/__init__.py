@@ -15,15 +15,21 @@ from .options import (
     PotentialReductionOptions,
 )
 from .result import Certificate, Ray, Status
+from .solutions import Face, solutions
 from .solve import ppt, solve
+from .verify import Report, verify
 
 __all__ = [
     "solve",
     "ppt",
+    "solutions",
+    "verify",
     "potential_reduction",
     "Solution",
     "Status",
     "Certificate",
+    "Face",
+    "Report",
     "Ray",
     "LemkeOptions",
     "LemkeHowsonOptions",

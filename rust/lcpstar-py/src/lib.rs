@@ -3,7 +3,10 @@
 use pyo3::prelude::*;
 
 mod arrays;
+mod classes;
 mod errors;
+mod exact;
+mod explore;
 mod interior;
 mod solution;
 mod solve;
@@ -14,7 +17,13 @@ mod _core {
     use super::*;
 
     #[pymodule_export]
-    use crate::interior::{potential_direction, potential_reduction};
+    use crate::classes::IntegerMatrix;
+    #[pymodule_export]
+    use crate::exact::{prove_solution, solutions};
+    #[pymodule_export]
+    use crate::explore::{satisfies, scan};
+    #[pymodule_export]
+    use crate::interior::{potential_direction, potential_reduction, solve_sparse};
     #[pymodule_export]
     use crate::solution::PySolution;
     #[pymodule_export]

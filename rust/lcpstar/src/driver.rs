@@ -2,13 +2,14 @@
 
 mod portfolio;
 
-use crate::certify::certify;
+use crate::certify::{certify, certify_sparse};
 use crate::control::Control;
 use crate::error::{LcpError, Result};
 use crate::methods::{block_pivoting, interior_point, lemke, lemke_howson, potential_reduction};
 use crate::problem::{Lcp, check_finite};
-use crate::scaling::{Equilibrated, exponent, times_power_of_two};
+use crate::scaling::{Equilibrated, Scaling, exponent, times_power_of_two};
 use crate::solution::{Candidate, Solution};
+use crate::sparse::SparseLcp;
 
 /// The method and its options. Vectors (`d`) are in the caller's units.
 #[derive(Clone, Debug)]
@@ -118,6 +119,35 @@ pub fn solve(lcp: &Lcp, settings: &Settings, control: &Control<'_>) -> Result<So
             reduce_potential(&problem, z0, &options, control, settings.tol, |_| ())?
         }
     })
+}
+
+/// Solves a sparse LCP by the interior point method, on `D A D`, and verifies the answer. The residual is that of the
+/// scaled problem; `z0` of the options is in the caller's units.
+///
+/// # Errors
+/// `OutOfRange` for `tol`; `WrongLength` or `NotFinite` for `z0`.
+pub fn solve_sparse(
+    lcp: &SparseLcp,
+    tol: f64,
+    options: &interior_point::Settings,
+    control: &Control<'_>,
+) -> Result<Solution> {
+    if !(tol > 0.0 && tol < 1.0) {
+        return Err(LcpError::OutOfRange { name: "tol", value: tol, rule: "in (0, 1)" });
+    }
+    if let Some(z0) = &options.z0 {
+        check_vector("z0", z0, lcp.n())?;
+    }
+    let scaling = Scaling::of_sparse(lcp);
+    let scaled = lcp.scaled(&scaling);
+    let z0 = options.z0.as_deref().map(|z0| scaling.z_from_caller(z0));
+    let options = interior_point::Settings { tol, z0, ..options.clone() };
+    let found = if lcp.q().iter().all(|&q| q >= 0.0) {
+        Candidate { alpha: Some(vec![]), ..Candidate::point(vec![0.0; lcp.n()], crate::Termination::Converged, 0) }
+    } else {
+        interior_point::interior_point_sparse(&scaled, &options, control)
+    };
+    Ok(certify_sparse(lcp, &scaled, &scaling, found, "interior_point", tol))
 }
 
 /// Runs the interior point method on `D A D`, because `D_r A D_c` with `D_r != D_c` need not be monotone when A is.

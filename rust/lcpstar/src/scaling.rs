@@ -3,7 +3,9 @@
 //! Positive diagonals keep signs, supports and complementarity; powers of two keep every digit, so solutions,
 //! rays and Farkas vectors of the scaled problem are those of the caller's. Only exponents are stored.
 
+use crate::linalg::kernels;
 use crate::problem::Lcp;
+use crate::sparse::SparseLcp;
 
 /// Binary exponents of the diagonals `D_r`, `D_c` and of the factor `s`.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -67,6 +69,40 @@ impl Scaling {
     #[must_use]
     pub fn new(lcp: &Lcp) -> Self {
         let n = lcp.n();
+        let (rows, columns) = if is_equilibrated(lcp) { (vec![0; n], vec![0; n]) } else { Self::sweeps(lcp) };
+        let q = exponent_of_q(lcp.q(), &rows);
+        Self { rows, columns, q }
+    }
+
+    /// The congruent scaling `D A D` of a sparse matrix. O(nnz).
+    #[must_use]
+    pub fn of_sparse(lcp: &SparseLcp) -> Self {
+        let n = lcp.n();
+        let mut d = vec![0; n];
+        let mut largest = vec![ZERO; n];
+        for _ in 0..SWEEPS {
+            largest.fill(ZERO);
+            for i in 0..n {
+                for (&j, &a) in lcp.row(i).0.iter().zip(lcp.row(i).1) {
+                    let e = exponent(a);
+                    largest[i] = largest[i].max(e + d[j]);
+                    largest[j] = largest[j].max(e + d[i]);
+                }
+            }
+            let mut changed = false;
+            for (d, &m) in d.iter_mut().zip(&largest) {
+                changed |= halve(d, m);
+            }
+            if !changed {
+                break;
+            }
+        }
+        Self { q: exponent_of_q(lcp.q(), &d), columns: d.clone(), rows: d }
+    }
+
+    /// The exponents of `D_r` and `D_c`.
+    fn sweeps(lcp: &Lcp) -> (Vec<i32>, Vec<i32>) {
+        let n = lcp.n();
         let exponents: Vec<i32> = lcp.a().iter().map(|&x| exponent(x)).collect();
         let (mut rows, mut columns) = (vec![0; n], vec![0; n]);
         let (mut row_max, mut column_max) = (vec![ZERO; n], vec![ZERO; n]);
@@ -89,15 +125,14 @@ impl Scaling {
                 break;
             }
         }
-        let q = exponent_of_q(lcp, &rows);
-        Self { rows, columns, q }
+        (rows, columns)
     }
 
     /// The scaling `D A D` nearest to `D_r A D_c`: congruent to A, so that PSD stays PSD.
     #[must_use]
     pub fn congruent(&self, lcp: &Lcp) -> Self {
         let rows: Vec<i32> = self.rows.iter().zip(&self.columns).map(|(r, c)| (r + c).div_euclid(2)).collect();
-        Self { q: exponent_of_q(lcp, &rows), columns: rows.clone(), rows }
+        Self { q: exponent_of_q(lcp.q(), &rows), columns: rows.clone(), rows }
     }
 
     /// The largest factor by which a residual can grow on the way from this scaling to `other`.
@@ -152,9 +187,22 @@ impl Scaling {
 }
 
 /// The `e` with `max|2^e D_r q|` in [1/2, 1).
-fn exponent_of_q(lcp: &Lcp, rows: &[i32]) -> i32 {
-    let largest = lcp.q().iter().zip(rows).map(|(&x, r)| exponent(x) + r).max().unwrap_or(ZERO);
+fn exponent_of_q(q: &[f64], rows: &[i32]) -> i32 {
+    let largest = q.iter().zip(rows).map(|(&x, r)| exponent(x) + r).max().unwrap_or(ZERO);
     if largest < ZERO / 2 { 0 } else { -largest }
+}
+
+/// Whether every row and column has its largest entry in [1/4, 2) already: one pass, no exponents.
+fn is_equilibrated(lcp: &Lcp) -> bool {
+    let n = lcp.n();
+    let mut columns = vec![0.0; n];
+    let near_one = |m: f64| (0.25..2.0).contains(&m);
+    for i in 0..n {
+        if !near_one(kernels::max_into(lcp.row(i), &mut columns)) {
+            return false;
+        }
+    }
+    columns.into_iter().all(near_one)
 }
 
 /// Moves `exponent` half the way that brings the largest entry, `2^largest`, to 1; `false` when it is there.
@@ -178,11 +226,16 @@ impl<'a> Equilibrated<'a> {
     #[must_use]
     pub fn with(original: &'a Lcp, scaling: Scaling) -> Self {
         let n = original.n();
-        let mut a = Vec::with_capacity(n * n);
-        for i in 0..n {
-            let r = scaling.rows[i];
-            a.extend(original.row(i).iter().zip(&scaling.columns).map(|(&x, c)| times_power_of_two(x, r + c)));
-        }
+        let a = if scaling.rows.iter().chain(&scaling.columns).all(|&e| e == 0) {
+            original.a().to_vec()
+        } else {
+            let mut a = Vec::with_capacity(n * n);
+            for i in 0..n {
+                let r = scaling.rows[i];
+                a.extend(original.row(i).iter().zip(&scaling.columns).map(|(&x, c)| times_power_of_two(x, r + c)));
+            }
+            a
+        };
         let q = original.q().iter().zip(&scaling.rows).map(|(&x, r)| times_power_of_two(x, r + scaling.q)).collect();
         Self { original, lcp: Lcp::trusted(n, a, q), scaling }
     }

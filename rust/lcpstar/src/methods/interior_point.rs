@@ -5,16 +5,19 @@
 
 mod infeasible;
 mod iterate;
+mod sparse;
 mod system;
 
-pub use system::{Dense, NewtonSystem};
+pub use sparse::Sparse;
+pub use system::{Dense, NewtonSystem, Problem};
 
 use crate::control::Control;
 use crate::linalg::kernels::max_abs;
-use crate::pivoting::finish::{Finished, finish, finish_quickly};
+use crate::pivoting::finish::Finished;
 use crate::problem::Lcp;
-use crate::residual::{equilibrated_residual, slack};
+use crate::residual::equilibrated_residual;
 use crate::solution::Candidate;
+use crate::sparse::SparseLcp;
 use crate::status::Termination;
 use iterate::Iterate;
 
@@ -53,33 +56,48 @@ const TAU_VANISHES: f64 = 1e-6;
 /// Solves an equilibrated LCP. O(n^3) an iteration: one factorisation.
 #[must_use]
 pub fn interior_point(lcp: &Lcp, settings: &Settings, control: &Control<'_>) -> Candidate {
-    let mut iterate = start(lcp, settings.z0.as_deref());
-    let mut system = Dense::new(lcp);
+    run(&mut Dense::new(lcp), settings, control)
+}
+
+/// As [`interior_point`] for a sparse A; each iteration costs a sparse factorisation.
+#[must_use]
+pub fn interior_point_sparse(lcp: &SparseLcp, settings: &Settings, control: &Control<'_>) -> Candidate {
+    match Sparse::new(lcp) {
+        Some(mut system) => run(&mut system, settings, control),
+        None => {
+            let reason = Termination::Breakdown("the sparse matrix is too large to index");
+            Candidate::point(vec![0.0; lcp.n()], reason, 0)
+        }
+    }
+}
+
+fn run(system: &mut impl Problem, settings: &Settings, control: &Control<'_>) -> Candidate {
+    let mut iterate = start(system, settings.z0.as_deref());
     let mut finish_at = settings.tol.max(FIRST_FINISH);
     let mut quick_at = FIRST_QUICK;
     let mut best = Best::default();
     let mut short_steps = 0;
     let mut iteration = 0;
     let termination = loop {
-        iterate.update_residuals(&system);
-        let residual = iterate.residual(lcp.q());
+        iterate.update_residuals(system);
+        let residual = iterate.residual(system.q());
         best.offer(&iterate, residual);
         if residual <= finish_at {
             if settings.finish {
-                best.finish(lcp);
+                best.finish(system);
             }
             if best.residual <= settings.tol {
                 break Termination::Converged;
             }
             finish_at = residual * NEXT_FINISH;
         } else if settings.finish && residual <= quick_at {
-            if best.finish_quickly(lcp) && best.residual <= settings.tol {
+            if best.finish_quickly(system) && best.residual <= settings.tol {
                 break Termination::Converged;
             }
             quick_at = residual * NEXT_QUICK;
         }
         if iterate.tau < TAU_VANISHES * iterate.kappa
-            && let Some(farkas) = infeasible::farkas_vector(lcp, &iterate.z, &iterate.w)
+            && let Some(farkas) = system.farkas_vector(&iterate.z, &iterate.w)
         {
             let point = best.z_or(&iterate);
             return Candidate { farkas: Some(farkas), ..Candidate::point(point, Termination::Infeasible, iteration) };
@@ -90,7 +108,7 @@ pub fn interior_point(lcp: &Lcp, settings: &Settings, control: &Control<'_>) -> 
         if short_steps == SHORT_STEPS {
             break Termination::Breakdown("the steps became too short: A is not monotone here, or rounding rules");
         }
-        match iterate.advance(&mut system) {
+        match iterate.advance(system) {
             Some(step) if step < SHORT_STEP => short_steps += 1,
             Some(_) => short_steps = 0,
             None => break Termination::Breakdown("the Newton system could not be solved"),
@@ -98,17 +116,17 @@ pub fn interior_point(lcp: &Lcp, settings: &Settings, control: &Control<'_>) -> 
         iteration += 1;
     };
     if best.residual > settings.tol && settings.finish && matches!(termination, Termination::Breakdown(_)) {
-        best.finish(lcp);
+        best.finish(system);
     }
     let termination = if best.residual <= settings.tol { Termination::Converged } else { termination };
     Candidate { alpha: best.alpha, ..Candidate::point(best.z, termination, iteration) }
 }
 
 /// `z = w = 0.3 e`, `tau = 1`, all products equal; with a guess, its point pushed into the interior as far as its residual is large.
-fn start(lcp: &Lcp, z0: Option<&[f64]>) -> Iterate {
-    let n = lcp.n();
+fn start(problem: &impl Problem, z0: Option<&[f64]>) -> Iterate {
+    let n = problem.n();
     if let Some(z0) = z0 {
-        let w0 = slack(lcp, z0).0;
+        let w0 = problem.slack(z0);
         let residual = equilibrated_residual(z0, &w0);
         if residual <= WARM {
             let floor = residual.max(1e-6).sqrt() * max_abs(z0).max(1.0);
@@ -150,14 +168,14 @@ impl Best {
         }
     }
 
-    fn finish(&mut self, lcp: &Lcp) {
-        if let Some(found) = finish(lcp, &self.z, &self.w).filter(|found| found.residual <= self.residual) {
+    fn finish(&mut self, problem: &impl Problem) {
+        if let Some(found) = problem.finish(&self.z, &self.w).filter(|found| found.residual <= self.residual) {
             self.accept(found);
         }
     }
 
-    fn finish_quickly(&mut self, lcp: &Lcp) -> bool {
-        let found = finish_quickly(lcp, &self.z, &self.w).filter(|found| found.residual <= self.residual);
+    fn finish_quickly(&mut self, problem: &impl Problem) -> bool {
+        let found = problem.finish_quickly(&self.z, &self.w).filter(|found| found.residual <= self.residual);
         let is_some = found.is_some();
         found.into_iter().for_each(|found| self.accept(found));
         is_some

@@ -183,7 +183,8 @@ impl Iterate {
             self.work[i] = self.rhs[i] - self.d[i] * self.x_q[i] - self.work[i];
         }
         system.back_solve(&mut self.work);
-        self.refine = !(max_abs(&self.work) <= GOOD * max_abs(&self.x_q));
+        let correction = max_abs(&self.work) / max_abs(&self.x_q);
+        self.refine = correction.is_nan() || correction > GOOD;
         if self.refine {
             return solve_refined(system, &self.d, &self.rhs, &mut self.x_q, &mut self.work);
         }

@@ -3,7 +3,9 @@
 use crate::linalg::backend::{ShiftedFactor, Structure};
 use crate::linalg::dd::{two_prod, two_sum};
 use crate::linalg::kernels::{axpy, dot, dot_compensated};
+use crate::pivoting::finish::{Finished, finish, finish_quickly};
 use crate::problem::Lcp;
+use crate::residual::slack;
 
 /// What the interior point iteration asks of a matrix, dense or sparse.
 pub trait NewtonSystem {
@@ -23,6 +25,36 @@ pub trait NewtonSystem {
     fn factor_again(&mut self, d: &[f64]) -> bool;
     /// Replaces `x` by `(A + diag(d))^-1 x` with the last factorisation.
     fn back_solve(&mut self, x: &mut [f64]);
+}
+
+/// A problem as the loop around the iteration sees it.
+pub trait Problem: NewtonSystem {
+    /// `A z + q` in twice the working precision.
+    fn slack(&self, z: &[f64]) -> Vec<f64>;
+    /// The exact finish.
+    fn finish(&self, z: &[f64], w: &[f64]) -> Option<Finished>;
+    /// Its cheap half.
+    fn finish_quickly(&self, z: &[f64], w: &[f64]) -> Option<Finished>;
+    /// A Farkas vector from a point with `tau -> 0`.
+    fn farkas_vector(&self, z: &[f64], w: &[f64]) -> Option<Vec<f64>>;
+}
+
+impl Problem for Dense<'_> {
+    fn slack(&self, z: &[f64]) -> Vec<f64> {
+        slack(self.lcp, z).0
+    }
+
+    fn finish(&self, z: &[f64], w: &[f64]) -> Option<Finished> {
+        finish(self.lcp, z, w)
+    }
+
+    fn finish_quickly(&self, z: &[f64], w: &[f64]) -> Option<Finished> {
+        finish_quickly(self.lcp, z, w)
+    }
+
+    fn farkas_vector(&self, z: &[f64], w: &[f64]) -> Option<Vec<f64>> {
+        super::infeasible::farkas_vector(self.lcp, z, w)
+    }
 }
 
 /// A dense matrix. No method allocates.
