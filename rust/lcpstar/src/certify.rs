@@ -28,7 +28,7 @@ pub fn certify(problem: &Equilibrated<'_>, candidate: Candidate, method: &'stati
     let (status, certificate) = if judged.solves {
         (Status::Solved, None)
     } else if let Some(y) = farkas_vector(problem, candidate.farkas.as_deref(), candidate.ray.as_ref()) {
-        (Status::Infeasible, Some(Certificate::Infeasible { y }))
+        (Status::Infeasible, Some(Certificate::Infeasible { y, exact: None }))
     } else {
         (unsolved(candidate.termination), None)
     };
@@ -37,7 +37,7 @@ pub fn certify(problem: &Equilibrated<'_>, candidate: Candidate, method: &'stati
         _ => (0..n).filter(|&i| judged.z[i] > 0.0).collect(),
     };
     let certificate = match status {
-        Status::Solved => Some(Certificate::Solution { alpha: alpha.clone() }),
+        Status::Solved => Some(Certificate::Solution { alpha: alpha.clone(), exact: None }),
         _ => certificate,
     };
     let message = explain(status, candidate.termination, judged.residual, tol);
@@ -114,10 +114,10 @@ pub fn certify_sparse(
     let support = (0..judged.z.len()).filter(|&i| judged.z[i] > 0.0).collect();
     let (status, certificate, alpha) = if judged.solves {
         let alpha: Vec<usize> = candidate.alpha.unwrap_or(support);
-        (Status::Solved, Some(Certificate::Solution { alpha: alpha.clone() }), alpha)
+        (Status::Solved, Some(Certificate::Solution { alpha: alpha.clone(), exact: None }), alpha)
     } else if let Some(y) = y {
         let y = scaling.multiplier_to_caller(&y);
-        (Status::Infeasible, Some(Certificate::Infeasible { y }), support)
+        (Status::Infeasible, Some(Certificate::Infeasible { y, exact: None }), support)
     } else {
         (unsolved(candidate.termination), None, support)
     };
