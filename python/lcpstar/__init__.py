@@ -7,7 +7,14 @@ from . import errors
 from ._core import Solution, __version__
 from .errors import LCPError
 from .interior import potential_reduction
-from .options import BilinearOptions, BlockPivotingOptions, LemkeHowsonOptions, LemkeOptions, PotentialReductionOptions
+from .options import (
+    BilinearOptions,
+    BlockPivotingOptions,
+    InteriorPointOptions,
+    LemkeHowsonOptions,
+    LemkeOptions,
+    PotentialReductionOptions,
+)
 from .result import Certificate, Ray, Status
 from .solutions import Face, solutions
 from .solve import ppt, solve
@@ -30,6 +37,7 @@ __all__ = [
     "BilinearOptions",
     "BlockPivotingOptions",
     "PotentialReductionOptions",
+    "InteriorPointOptions",
     "LCPError",
     "errors",
     "__version__",

@@ -1,8 +1,11 @@
 from collections.abc import Sequence
 from typing import Any, final
 
+import numpy as np
+from numpy.typing import NDArray
+
 from .coerce import Matrix, Vector
-from .options import MethodOptions, PotentialReductionOptions
+from .options import InteriorPointOptions, MethodOptions, PotentialReductionOptions
 from .result import Certificate, Ray, Status
 
 __all__ = ["Solution", "__version__", "potential_direction", "potential_reduction", "ppt", "solve"]
@@ -69,3 +72,14 @@ def prove_solution(
     a: Matrix, q: Vector, alpha: Sequence[int]
 ) -> tuple[str, list[int], tuple[list[int], int] | None, int]: ...
 def solutions(a: Matrix, q: Vector, time_limit: float | None, exact: bool) -> Any: ...
+def solve_sparse(
+    starts: NDArray[np.int64],
+    columns: NDArray[np.int64],
+    values: Vector,
+    q: Vector,
+    tol: float,
+    max_iterations: int | None,
+    time_limit: float | None,
+    z0: Vector | None,
+    options: InteriorPointOptions,
+) -> Solution: ...

@@ -76,7 +76,24 @@ class PotentialReductionOptions:
             raise OptionError(f"min_halvings must be nonnegative, got {self.min_halvings}")
 
 
-MethodOptions = LemkeOptions | LemkeHowsonOptions | BilinearOptions | BlockPivotingOptions | PotentialReductionOptions
+@dataclass(frozen=True)
+class InteriorPointOptions:
+    """Options of `method="interior_point"`.
+
+    `finish` (default True): end at a complementary basis, with a residual at rounding level, where one is found.
+    """
+
+    finish: bool | None = None
+
+
+MethodOptions = (
+    LemkeOptions
+    | LemkeHowsonOptions
+    | BilinearOptions
+    | BlockPivotingOptions
+    | PotentialReductionOptions
+    | InteriorPointOptions
+)
 
 #: The options class of each method that has one.
 OPTIONS: dict[str, type[MethodOptions]] = {
@@ -85,4 +102,5 @@ OPTIONS: dict[str, type[MethodOptions]] = {
     "bilinear": BilinearOptions,
     "block_pivoting": BlockPivotingOptions,
     "potential_reduction": PotentialReductionOptions,
+    "interior_point": InteriorPointOptions,
 }

@@ -11,6 +11,7 @@ from . import _core
 from ._core import Solution
 from .coerce import Matrix, Vector, as_matrix, as_vector
 from .errors import OptionError, OptionTypeError
+from .interior import solve_sparse
 from .options import OPTIONS, MethodOptions
 
 
@@ -31,8 +32,8 @@ def solve(
 
     Parameters
     ----------
-    A : (n, n) array_like of real numbers
-        Need not be symmetric. Copied; never modified.
+    A : (n, n) array_like of real numbers, or a scipy.sparse matrix or array
+        Need not be symmetric. Copied; never modified. A sparse A stays sparse: methods "auto" and "interior_point".
     q : (n,) array_like of real numbers
     method : str
         "auto" (a documented portfolio, see docs/methods.md), "lemke", "lemke_howson", "block_pivoting",
@@ -72,6 +73,8 @@ def solve(
     >>> sol.success, sol.z.round(4).tolist()
     (True, [1.3333, 2.3333])
     """
+    if type(A) is not np.ndarray and hasattr(A, "tocsr"):
+        return solve_sparse(A, q, method, tol, max_iterations, time_limit, z0, certify, options)
     if options is not None or max_iterations is not None:
         _check(method, max_iterations, options)
     return _core.solve(

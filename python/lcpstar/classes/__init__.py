@@ -1,12 +1,12 @@
 """Matrix classes of complementarity theory: exact verdicts with witnesses that can be checked by hand."""
 
 from .complementarity import (
+    is_almost_strictly_semimonotone,
+    is_column_sufficient,
     is_completely_q,
     is_completely_q0,
     is_completely_semimonotone_star,
     is_completely_tilde_semimonotone_star,
-    is_almost_strictly_semimonotone,
-    is_column_sufficient,
     is_connected,
     is_fully_semimonotone,
     is_l,

@@ -23,7 +23,7 @@ mod _core {
     #[pymodule_export]
     use crate::explore::{satisfies, scan};
     #[pymodule_export]
-    use crate::interior::{potential_direction, potential_reduction};
+    use crate::interior::{potential_direction, potential_reduction, solve_sparse};
     #[pymodule_export]
     use crate::solution::PySolution;
     #[pymodule_export]

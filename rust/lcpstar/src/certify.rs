@@ -2,8 +2,9 @@
 
 use crate::linalg::kernels::max_abs;
 use crate::residual::{equilibrated_residual, natural_residual, slack};
-use crate::scaling::Equilibrated;
+use crate::scaling::{Equilibrated, Scaling};
 use crate::solution::{Candidate, Certificate, Ray, Solution};
+use crate::sparse::SparseLcp;
 use crate::status::{Status, Termination};
 
 /// A point of the equilibrated problem, judged.
@@ -56,7 +57,18 @@ pub fn certify(problem: &Equilibrated<'_>, candidate: Candidate, method: &'stati
 }
 
 /// Recomputes `w`, both residuals and the row test. Negative entries of `z` are set to zero first.
-fn judge(problem: &Equilibrated<'_>, mut z: Vec<f64>, tol: f64) -> Judged {
+fn judge(problem: &Equilibrated<'_>, z: Vec<f64>, tol: f64) -> Judged {
+    judge_point(&problem.scaling, max_abs(problem.original.q()), z, tol, |z| slack(&problem.lcp, z))
+}
+
+/// As [`judge`], for any way to compute `w'` and its rounding scale.
+fn judge_point(
+    scaling: &Scaling,
+    max_q: f64,
+    mut z: Vec<f64>,
+    tol: f64,
+    slack: impl FnOnce(&[f64]) -> (Vec<f64>, Vec<f64>),
+) -> Judged {
     for x in &mut z {
         if !x.is_finite() {
             *x = f64::NAN;
@@ -67,12 +79,12 @@ fn judge(problem: &Equilibrated<'_>, mut z: Vec<f64>, tol: f64) -> Judged {
     if z.iter().any(|x| x.is_nan()) {
         z.fill(0.0); // no iterate worth keeping
     }
-    let (w, magnitude) = slack(&problem.lcp, &z);
+    let (w, magnitude) = slack(&z);
     let residual = equilibrated_residual(&z, &w);
-    let caller_z = problem.scaling.z_to_caller(&z);
-    let caller_w = problem.scaling.w_to_caller(&w);
-    let magnitude = problem.scaling.w_to_caller(&magnitude);
-    let allowed = 10.0 * tol * max_abs(problem.original.q());
+    let caller_z = scaling.z_to_caller(&z);
+    let caller_w = scaling.w_to_caller(&w);
+    let magnitude = scaling.w_to_caller(&magnitude);
+    let allowed = 10.0 * tol * max_q;
     let rows_agree = caller_z
         .iter()
         .zip(&caller_w)
@@ -85,6 +97,60 @@ fn judge(problem: &Equilibrated<'_>, mut z: Vec<f64>, tol: f64) -> Judged {
         z: caller_z,
         w: caller_w,
     }
+}
+
+/// As [`certify`], for a sparse problem and its scaled copy. O(nnz).
+#[must_use]
+pub fn certify_sparse(
+    original: &SparseLcp,
+    scaled: &SparseLcp,
+    scaling: &Scaling,
+    candidate: Candidate,
+    method: &'static str,
+    tol: f64,
+) -> Solution {
+    let judged = judge_point(scaling, max_abs(original.q()), candidate.z, tol, |z| scaled.slack(z));
+    let y = candidate.farkas.as_deref().and_then(normalised).filter(|y| is_sparse_farkas(scaled, y));
+    let support = (0..judged.z.len()).filter(|&i| judged.z[i] > 0.0).collect();
+    let (status, certificate, alpha) = if judged.solves {
+        let alpha: Vec<usize> = candidate.alpha.unwrap_or(support);
+        (Status::Solved, Some(Certificate::Solution { alpha: alpha.clone(), exact: None }), alpha)
+    } else if let Some(y) = y {
+        let y = scaling.multiplier_to_caller(&y);
+        (Status::Infeasible, Some(Certificate::Infeasible { y, exact: None }), support)
+    } else {
+        (unsolved(candidate.termination), None, support)
+    };
+    Solution {
+        z: judged.z,
+        w: judged.w,
+        status,
+        method,
+        iterations: candidate.iterations,
+        residual: judged.residual,
+        natural_residual: judged.natural_residual,
+        alpha,
+        certificate,
+        ray: None,
+        message: explain(status, candidate.termination, judged.residual, tol),
+    }
+}
+
+/// [`is_farkas`] by rows: plain sums, whose rounding is charged to `A'y`.
+fn is_sparse_farkas(lcp: &SparseLcp, y: &[f64]) -> bool {
+    let n = lcp.n();
+    let (mut sums, mut magnitudes) = (vec![0.0; n], vec![0.0; n]);
+    for (i, &y) in y.iter().enumerate() {
+        let (columns, values) = lcp.row(i);
+        for (&j, a) in columns.iter().zip(values) {
+            sums[j] += a * y;
+            magnitudes[j] += (a * y).abs();
+        }
+    }
+    let rounding = sums.iter().zip(&magnitudes).all(|(&s, m)| s <= 64.0 * f64::EPSILON * m);
+    let delta = sums.iter().fold(0.0, |m: f64, &s| m.max(s));
+    let (qy, magnitude) = crate::linalg::kernels::dot_compensated(0.0, lcp.q(), y);
+    rounding && qy < -64.0 * f64::EPSILON * magnitude && delta * 1e10 <= -qy
 }
 
 /// The first candidate that passes [`is_farkas`], in the caller's units.

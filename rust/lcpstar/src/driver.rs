@@ -3,13 +3,14 @@
 mod portfolio;
 mod prove;
 
-use crate::certify::certify;
+use crate::certify::{certify, certify_sparse};
 use crate::control::Control;
 use crate::error::{LcpError, Result};
-use crate::methods::{bilinear, block_pivoting, lemke, lemke_howson, potential_reduction};
+use crate::methods::{bilinear, block_pivoting, interior_point, lemke, lemke_howson, potential_reduction};
 use crate::problem::{Lcp, check_finite};
-use crate::scaling::{Equilibrated, exponent, times_power_of_two};
+use crate::scaling::{Equilibrated, Scaling, exponent, times_power_of_two};
 use crate::solution::{Candidate, Solution};
+use crate::sparse::SparseLcp;
 
 /// The method and its options. Vectors (`d`) are in the caller's units.
 #[derive(Clone, Debug)]
@@ -31,6 +32,8 @@ pub enum Method {
     Bilinear(bilinear::Settings),
     /// Block principal pivoting for P-matrices.
     BlockPivoting(block_pivoting::Settings),
+    /// Homogeneous predictor-corrector; its `tol` and `z0` are those of the call.
+    InteriorPoint(interior_point::Settings),
     /// The paper's method; its stopping rule is replaced by one that gives `residual <= tol`.
     PotentialReduction(potential_reduction::Settings),
 }
@@ -41,7 +44,7 @@ pub const DEFAULT_RESTARTS: usize = 6;
 impl Method {
     /// Names accepted by [`Method::from_name`].
     pub const NAMES: &'static [&'static str] =
-        &["auto", "lemke", "lemke_howson", "block_pivoting", "bilinear", "potential_reduction"];
+        &["auto", "lemke", "lemke_howson", "block_pivoting", "bilinear", "potential_reduction", "interior_point"];
 
     /// The method of that name with its default options.
     ///
@@ -54,6 +57,7 @@ impl Method {
             "lemke_howson" => Ok(Self::LemkeHowson(lemke_howson::Settings::default())),
             "bilinear" => Ok(Self::Bilinear(bilinear::Settings::default())),
             "block_pivoting" => Ok(Self::BlockPivoting(block_pivoting::Settings::default())),
+            "interior_point" => Ok(Self::InteriorPoint(interior_point::Settings::default())),
             "potential_reduction" => Ok(Self::PotentialReduction(potential_reduction::Settings::default())),
             _ => Err(LcpError::UnknownName { name: "method", value: name.to_owned(), choices: Self::NAMES }),
         }
@@ -143,6 +147,10 @@ fn by_method(problem: &Equilibrated<'_>, settings: &Settings, control: &Control<
             options.alpha = options.alpha.or_else(|| settings.z0.as_deref().map(support));
             certify(problem, block_pivoting::block_pivoting(scaled, &options, control), "block_pivoting", settings.tol)
         }
+        Method::InteriorPoint(options) => {
+            let found = interior_point_candidate(&problem, settings, options, control);
+            certify(&problem, found, "interior_point", settings.tol)
+        }
         Method::PotentialReduction(options) => {
             let stop = potential_reduction::Stop::Residual(settings.tol);
             let options = potential_reduction::Settings { stop, ..options.clone() };
@@ -150,6 +158,58 @@ fn by_method(problem: &Equilibrated<'_>, settings: &Settings, control: &Control<
             reduce_potential(problem, z0, &options, control, settings.tol, |_| ())?
         }
     })
+}
+
+/// Solves a sparse LCP by the interior point method, on `D A D`, and verifies the answer. The residual is that of the
+/// scaled problem; `z0` of the options is in the caller's units.
+///
+/// # Errors
+/// `OutOfRange` for `tol`; `WrongLength` or `NotFinite` for `z0`.
+pub fn solve_sparse(
+    lcp: &SparseLcp,
+    tol: f64,
+    options: &interior_point::Settings,
+    control: &Control<'_>,
+) -> Result<Solution> {
+    if !(tol > 0.0 && tol < 1.0) {
+        return Err(LcpError::OutOfRange { name: "tol", value: tol, rule: "in (0, 1)" });
+    }
+    if let Some(z0) = &options.z0 {
+        check_vector("z0", z0, lcp.n())?;
+    }
+    let scaling = Scaling::of_sparse(lcp);
+    let scaled = lcp.scaled(&scaling);
+    let z0 = options.z0.as_deref().map(|z0| scaling.z_from_caller(z0));
+    let options = interior_point::Settings { tol, z0, ..options.clone() };
+    let found = if lcp.q().iter().all(|&q| q >= 0.0) {
+        Candidate { alpha: Some(vec![]), ..Candidate::point(vec![0.0; lcp.n()], crate::Termination::Converged, 0) }
+    } else {
+        interior_point::interior_point_sparse(&scaled, &options, control)
+    };
+    Ok(certify_sparse(lcp, &scaled, &scaling, found, "interior_point", tol))
+}
+
+/// Runs the interior point method on `D A D`, because `D_r A D_c` with `D_r != D_c` need not be monotone when A is.
+fn interior_point_candidate(
+    problem: &Equilibrated<'_>,
+    settings: &Settings,
+    options: &interior_point::Settings,
+    control: &Control<'_>,
+) -> Candidate {
+    let target = &problem.scaling;
+    let scaling = target.congruent(problem.original);
+    let tol = (settings.tol / scaling.distance(target).max(1.0)).max(f64::EPSILON);
+    let z0 = settings.z0.as_deref().map(|z0| scaling.z_from_caller(z0));
+    let options = interior_point::Settings { tol, z0, ..options.clone() };
+    if scaling == *target {
+        return interior_point::interior_point(&problem.lcp, &options, control);
+    }
+    let congruent = Equilibrated::with(problem.original, scaling);
+    let found = interior_point::interior_point(&congruent.lcp, &options, control);
+    let from = &congruent.scaling;
+    let carried = |y: &Vec<f64>| target.multiplier_from_caller(&from.multiplier_to_caller(y));
+    let farkas = found.farkas.as_ref().map(carried);
+    Candidate { z: target.z_from_caller(&from.z_to_caller(&found.z)), farkas, ..found }
 }
 
 /// The paper's potential reduction method with its own stopping rule; `trace` receives each row of its table.

@@ -20,10 +20,12 @@ pub mod residual;
 pub mod scaling;
 pub mod solution;
 pub mod solutions;
+pub mod sparse;
 pub mod status;
 
 pub use control::Control;
 pub use error::{LcpError, Result};
 pub use problem::Lcp;
 pub use solution::{Candidate, Certificate, Ray, Solution};
+pub use sparse::SparseLcp;
 pub use status::{Status, Termination};

@@ -5,6 +5,7 @@
 
 use crate::linalg::kernels;
 use crate::problem::Lcp;
+use crate::sparse::SparseLcp;
 
 /// Binary exponents of the diagonals `D_r`, `D_c` and of the factor `s`.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -69,9 +70,34 @@ impl Scaling {
     pub fn new(lcp: &Lcp) -> Self {
         let n = lcp.n();
         let (rows, columns) = if is_equilibrated(lcp) { (vec![0; n], vec![0; n]) } else { Self::sweeps(lcp) };
-        let largest = lcp.q().iter().zip(&rows).map(|(&x, r)| exponent(x) + r).max().unwrap_or(ZERO);
-        let q = if largest < ZERO / 2 { 0 } else { -largest };
+        let q = exponent_of_q(lcp.q(), &rows);
         Self { rows, columns, q }
+    }
+
+    /// The congruent scaling `D A D` of a sparse matrix. O(nnz).
+    #[must_use]
+    pub fn of_sparse(lcp: &SparseLcp) -> Self {
+        let n = lcp.n();
+        let mut d = vec![0; n];
+        let mut largest = vec![ZERO; n];
+        for _ in 0..SWEEPS {
+            largest.fill(ZERO);
+            for i in 0..n {
+                for (&j, &a) in lcp.row(i).0.iter().zip(lcp.row(i).1) {
+                    let e = exponent(a);
+                    largest[i] = largest[i].max(e + d[j]);
+                    largest[j] = largest[j].max(e + d[i]);
+                }
+            }
+            let mut changed = false;
+            for (d, &m) in d.iter_mut().zip(&largest) {
+                changed |= halve(d, m);
+            }
+            if !changed {
+                break;
+            }
+        }
+        Self { q: exponent_of_q(lcp.q(), &d), columns: d.clone(), rows: d }
     }
 
     /// The exponents of `D_r` and `D_c`.
@@ -100,6 +126,21 @@ impl Scaling {
             }
         }
         (rows, columns)
+    }
+
+    /// The scaling `D A D` nearest to `D_r A D_c`: congruent to A, so that PSD stays PSD.
+    #[must_use]
+    pub fn congruent(&self, lcp: &Lcp) -> Self {
+        let rows: Vec<i32> = self.rows.iter().zip(&self.columns).map(|(r, c)| (r + c).div_euclid(2)).collect();
+        Self { q: exponent_of_q(lcp.q(), &rows), columns: rows.clone(), rows }
+    }
+
+    /// The largest factor by which a residual can grow on the way from this scaling to `other`.
+    #[must_use]
+    pub fn distance(&self, other: &Self) -> f64 {
+        let rows = self.rows.iter().zip(&other.rows).map(|(a, b)| b - a + other.q - self.q);
+        let columns = self.columns.iter().zip(&other.columns).map(|(a, b)| a - b + other.q - self.q);
+        times_power_of_two(1.0, rows.chain(columns).max().unwrap_or(0))
     }
 
     /// `z` of the caller from `z'` of the equilibrated problem.
@@ -137,6 +178,18 @@ impl Scaling {
     pub fn multiplier_to_caller(&self, y: &[f64]) -> Vec<f64> {
         y.iter().zip(&self.rows).map(|(&y, &r)| times_power_of_two(y, r)).collect()
     }
+
+    /// The inverse of [`multiplier_to_caller`](Self::multiplier_to_caller).
+    #[must_use]
+    pub fn multiplier_from_caller(&self, y: &[f64]) -> Vec<f64> {
+        y.iter().zip(&self.rows).map(|(&y, &r)| times_power_of_two(y, -r)).collect()
+    }
+}
+
+/// The `e` with `max|2^e D_r q|` in [1/2, 1).
+fn exponent_of_q(q: &[f64], rows: &[i32]) -> i32 {
+    let largest = q.iter().zip(rows).map(|(&x, r)| exponent(x) + r).max().unwrap_or(ZERO);
+    if largest < ZERO / 2 { 0 } else { -largest }
 }
 
 /// Whether every row and column has its largest entry in [1/4, 2) already: one pass, no exponents.
@@ -166,7 +219,12 @@ impl<'a> Equilibrated<'a> {
     /// Equilibrates `original`. O(n^2).
     #[must_use]
     pub fn new(original: &'a Lcp) -> Self {
-        let scaling = Scaling::new(original);
+        Self::with(original, Scaling::new(original))
+    }
+
+    /// Scales `original` as told. O(n^2).
+    #[must_use]
+    pub fn with(original: &'a Lcp, scaling: Scaling) -> Self {
         let n = original.n();
         let a = if scaling.rows.iter().chain(&scaling.columns).all(|&e| e == 0) {
             original.a().to_vec()

@@ -24,6 +24,12 @@ pub(super) fn prove(problem: &Equilibrated<'_>, mut solution: Solution, tol: f64
             if let Some(exact) = solution_near(lcp, &solution, &stop) {
                 return proved(problem, &solution, exact, tol);
             }
+            if let Feasibility::Infeasible(_) = exact_feasibility(problem, control) {
+                solution
+                    .message
+                    .push_str("; not proved: on these binary numbers FEA(q, A) is empty, by less than rounding");
+                return solution;
+            }
         }
         Status::Infeasible => {
             if let Some(Certificate::Infeasible { y, .. }) = &solution.certificate {

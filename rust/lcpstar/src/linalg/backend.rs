@@ -5,8 +5,14 @@
 //! (record in `benches/record/backend.md`).
 
 mod gram;
+mod row_space;
+mod shifted;
+mod sparse;
 
 pub use gram::{GramCholesky, StackedQr};
+pub use row_space::RowSpace;
+pub use shifted::{ShiftedFactor, Structure};
+pub use sparse::SparseFactor;
 
 use super::kernels::{dot_compensated, max_abs};
 use faer::linalg::solvers::{PartialPivLu, Solve, SolveLstsq};

@@ -5,6 +5,7 @@ pub mod bilinear;
 pub mod block_pivoting;
 pub mod enumerate;
 pub mod feasibility;
+pub mod interior_point;
 pub mod lemke;
 pub mod lemke_howson;
 pub mod potential_reduction;

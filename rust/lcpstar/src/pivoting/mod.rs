@@ -2,6 +2,7 @@
 
 pub mod basis;
 pub mod dictionary;
+pub mod finish;
 pub mod real;
 pub mod transform;
 pub mod var;

@@ -1,0 +1,147 @@
+//! The iteration's linear algebra for a sparse A.
+
+use super::system::{NewtonSystem, Problem};
+use crate::linalg::backend::SparseFactor;
+use crate::linalg::dd::{two_prod, two_sum};
+use crate::linalg::kernels::dot_compensated;
+use crate::pivoting::finish::{Finished, excess};
+use crate::residual::equilibrated_residual;
+use crate::sparse::SparseLcp;
+
+/// A sparse problem and its factorisations, which allocate what their fill needs.
+pub struct Sparse<'a> {
+    lcp: &'a SparseLcp,
+    factor: SparseFactor,
+    symmetric: bool,
+}
+
+impl<'a> Sparse<'a> {
+    /// Finds the ordering. `None` when the matrix is too large to index.
+    #[must_use]
+    pub fn new(lcp: &'a SparseLcp) -> Option<Self> {
+        let all: Vec<usize> = (0..lcp.n()).collect();
+        let entries = block(lcp, &all);
+        let symmetric = is_symmetric(&entries);
+        Some(Self { lcp, factor: SparseFactor::new(lcp.n(), &entries, symmetric)?, symmetric })
+    }
+}
+
+/// The entries of `A[alpha, alpha]`.
+fn block(lcp: &SparseLcp, alpha: &[usize]) -> Vec<(usize, usize, f64)> {
+    let mut place = vec![usize::MAX; lcp.n()];
+    alpha.iter().enumerate().for_each(|(k, &i)| place[i] = k);
+    let mut entries = Vec::new();
+    for (k, &i) in alpha.iter().enumerate() {
+        let (columns, values) = lcp.row(i);
+        let inside = columns.iter().zip(values).filter(|&(&j, _)| place[j] != usize::MAX);
+        entries.extend(inside.map(|(&j, &a)| (k, place[j], a)));
+    }
+    entries
+}
+
+fn is_symmetric(entries: &[(usize, usize, f64)]) -> bool {
+    let key = |&(i, j, a): &(usize, usize, f64)| (i, j, a.to_bits());
+    let mut rows: Vec<_> = entries.iter().filter(|e| e.2 != 0.0).map(key).collect();
+    let mut columns: Vec<_> = rows.iter().map(|&(i, j, a)| (j, i, a)).collect();
+    rows.sort_unstable();
+    columns.sort_unstable();
+    rows == columns
+}
+
+impl NewtonSystem for Sparse<'_> {
+    fn n(&self) -> usize {
+        self.lcp.n()
+    }
+
+    fn q(&self) -> &[f64] {
+        self.lcp.q()
+    }
+
+    fn multiply(&self, x: &[f64], y: &mut [f64]) {
+        for (i, y) in y.iter_mut().enumerate() {
+            let (columns, values) = self.lcp.row(i);
+            *y = columns.iter().zip(values).map(|(&j, a)| a * x[j]).sum();
+        }
+    }
+
+    fn multiply_transposed(&self, x: &[f64], y: &mut [f64]) {
+        if self.symmetric {
+            return self.multiply(x, y);
+        }
+        y.fill(0.0);
+        for (i, &x) in x.iter().enumerate() {
+            let (columns, values) = self.lcp.row(i);
+            for (&j, a) in columns.iter().zip(values) {
+                y[j] += a * x;
+            }
+        }
+    }
+
+    fn residual(&self, d: &[f64], x: &[f64], b: &[f64], y: &mut [f64]) {
+        let mut gathered = Vec::new();
+        for i in 0..y.len() {
+            let (p, e) = two_prod(d[i], x[i]);
+            let (start, f) = two_sum(p, -b[i]);
+            y[i] = -(self.lcp.row_dot(i, start, x, &mut gathered).0 + (e + f));
+        }
+    }
+
+    fn factor(&mut self, d: &[f64]) -> bool {
+        self.factor.factor(d)
+    }
+
+    fn factor_again(&mut self, _d: &[f64]) -> bool {
+        false
+    }
+
+    fn back_solve(&mut self, x: &mut [f64]) {
+        self.factor.solve(x);
+    }
+}
+
+impl Problem for Sparse<'_> {
+    fn slack(&self, z: &[f64]) -> Vec<f64> {
+        self.lcp.slack(z).0
+    }
+
+    fn finish(&self, z: &[f64], w: &[f64]) -> Option<Finished> {
+        let alpha: Vec<usize> = (0..self.lcp.n()).filter(|&i| z[i] > w[i]).collect();
+        let entries = block(self.lcp, &alpha);
+        let mut factor = SparseFactor::new(alpha.len(), &entries, false)?;
+        if !factor.factor(&vec![0.0; alpha.len()]) {
+            return None;
+        }
+        let mut point = vec![0.0; self.lcp.n()];
+        let mut gathered = Vec::new();
+        for _ in 0..3 {
+            let mut step: Vec<f64> =
+                alpha.iter().map(|&i| -self.lcp.row_dot(i, self.lcp.q()[i], &point, &mut gathered).0).collect();
+            factor.solve(&mut step);
+            alpha.iter().zip(step).for_each(|(&i, s)| point[i] += s);
+        }
+        point.iter_mut().for_each(|x| *x = x.max(0.0));
+        let (w, magnitude) = self.lcp.slack(&point);
+        let residual = equilibrated_residual(&point, &w).max(excess(&point, &w, &magnitude));
+        (!residual.is_nan()).then_some(Finished { z: point, alpha, is_basis: true, residual })
+    }
+
+    fn finish_quickly(&self, _z: &[f64], _w: &[f64]) -> Option<Finished> {
+        None
+    }
+
+    /// Polished on the dense matrix up to the order where that is affordable; beyond it the iterate itself is checked.
+    fn farkas_vector(&self, z: &[f64], w: &[f64]) -> Option<Vec<f64>> {
+        if self.lcp.n() <= DENSE_UP_TO {
+            return super::infeasible::farkas_vector(&self.lcp.to_dense(), z, w);
+        }
+        let y: Vec<f64> = z.iter().zip(w).map(|(&z, &w)| if z > w { z } else { 0.0 }).collect();
+        let mut products = vec![0.0; y.len()];
+        self.multiply_transposed(&y, &mut products);
+        let worst = products.iter().fold(0.0, |m: f64, &x| m.max(x));
+        let qy = dot_compensated(0.0, self.lcp.q(), &y).0;
+        (qy < 0.0 && worst * 1e11 <= -qy).then_some(y)
+    }
+}
+
+/// Largest order at which a Farkas vector is polished on a dense copy.
+const DENSE_UP_TO: usize = 2000;

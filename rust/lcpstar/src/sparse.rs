@@ -1,0 +1,108 @@
+//! LCP(q, A) with a sparse A, by rows.
+
+use crate::error::{LcpError, Result};
+use crate::linalg::kernels::dot_compensated;
+use crate::problem::{Lcp, check_finite};
+use crate::scaling::{Scaling, times_power_of_two};
+
+/// LCP(q, A): row i of A has the entries `values[starts[i]..starts[i + 1]]` in the columns `columns[..]` of that range.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SparseLcp {
+    starts: Vec<usize>,
+    columns: Vec<usize>,
+    values: Vec<f64>,
+    q: Vec<f64>,
+}
+
+impl SparseLcp {
+    /// Takes ownership of compressed rows; columns ascending in each row. O(nnz).
+    ///
+    /// # Errors
+    /// `WrongLength`, `BadIndex` (out of range, repeated or not ascending) or `NotFinite`.
+    pub fn new(starts: Vec<usize>, columns: Vec<usize>, values: Vec<f64>, q: Vec<f64>) -> Result<Self> {
+        let n = q.len();
+        if starts.len() != n + 1 {
+            return Err(LcpError::WrongLength { name: "A.indptr", expected: n + 1, found: starts.len() });
+        }
+        if columns.len() != values.len() || starts[n] != values.len() || starts[0] != 0 {
+            return Err(LcpError::WrongLength { name: "A.indices", expected: starts[n], found: columns.len() });
+        }
+        if let Some(i) = (0..n).find(|&i| starts[i] > starts[i + 1] || starts[i + 1] > values.len()) {
+            return Err(LcpError::WrongLength { name: "A.indptr", expected: starts[i], found: starts[i + 1] });
+        }
+        for i in 0..n {
+            let row = &columns[starts[i]..starts[i + 1]];
+            let repeated = row.windows(2).find(|pair| pair[0] >= pair[1]).map(|pair| pair[1]);
+            let outside = row.iter().copied().find(|&j| j >= n);
+            if let Some(j) = outside.or(repeated) {
+                let index = i64::try_from(j).unwrap_or(i64::MAX);
+                return Err(LcpError::BadIndex { name: "A.indices", index, n, repeated: outside.is_none() });
+            }
+        }
+        check_finite("A.data", &values)?;
+        check_finite("q", &q)?;
+        Ok(Self { starts, columns, values, q })
+    }
+
+    /// Order of the problem.
+    #[must_use]
+    pub fn n(&self) -> usize {
+        self.q.len()
+    }
+
+    /// `q`.
+    #[must_use]
+    pub fn q(&self) -> &[f64] {
+        &self.q
+    }
+
+    /// Columns and values of row `i`.
+    #[must_use]
+    pub fn row(&self, i: usize) -> (&[usize], &[f64]) {
+        let range = self.starts[i]..self.starts[i + 1];
+        (&self.columns[range.clone()], &self.values[range])
+    }
+
+    /// The same problem with a dense A. O(n^2).
+    #[must_use]
+    pub fn to_dense(&self) -> Lcp {
+        let n = self.n();
+        let mut a = vec![0.0; n * n];
+        for i in 0..n {
+            let (columns, values) = self.row(i);
+            for (&j, &x) in columns.iter().zip(values) {
+                a[i * n + j] = x;
+            }
+        }
+        Lcp::trusted(n, a, self.q.clone())
+    }
+
+    /// The scaled copy `D_r A D_c`, `s D_r q`.
+    #[must_use]
+    pub fn scaled(&self, scaling: &Scaling) -> Self {
+        let mut scaled = self.clone();
+        for i in 0..self.n() {
+            for k in self.starts[i]..self.starts[i + 1] {
+                let e = scaling.rows[i] + scaling.columns[self.columns[k]];
+                scaled.values[k] = times_power_of_two(self.values[k], e);
+            }
+            scaled.q[i] = times_power_of_two(self.q[i], scaling.rows[i] + scaling.q);
+        }
+        scaled
+    }
+
+    /// `w = A z + q` in twice the working precision, and its rounding scale `|A||z| + |q|`. O(nnz).
+    #[must_use]
+    pub fn slack(&self, z: &[f64]) -> (Vec<f64>, Vec<f64>) {
+        let mut gathered = Vec::new();
+        (0..self.n()).map(|i| self.row_dot(i, self.q[i], z, &mut gathered)).unzip()
+    }
+
+    /// `start + A_i z` in twice the working precision, and the sum of magnitudes.
+    pub(crate) fn row_dot(&self, i: usize, start: f64, z: &[f64], gathered: &mut Vec<f64>) -> (f64, f64) {
+        let (columns, values) = self.row(i);
+        gathered.clear();
+        gathered.extend(columns.iter().map(|&j| z[j]));
+        dot_compensated(start, values, gathered)
+    }
+}
