@@ -25,7 +25,9 @@ Tree: TypeAlias = tuple[Any, ...]
 
 TRUE: Tree = ("and",)
 
-_SYMBOLS = "|".join(re.escape(s) for s in sorted([*CLASSES, *(a for a in ALIASES if " " not in a)], key=len, reverse=True))
+_SYMBOLS = "|".join(
+    re.escape(s) for s in sorted([*CLASSES, *(a for a in ALIASES if " " not in a)], key=len, reverse=True)
+)
 _TOKEN = re.compile(
     rf"""\s*(?:
       (?P<matrix>A\s*\+\s*A'|A'|A\^-1|-A(?![\w'])|A(?=\s+in\b|\s*\[)|ppt(?=\s*\[))

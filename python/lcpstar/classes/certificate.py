@@ -52,7 +52,9 @@ def ldl(A: Rows, definite: bool) -> LDL:
         columns.append(column)
         D.append(d)
     L = tuple(
-        tuple(Fraction(1) if i == k else columns[k].get(order[i], Fraction(0)) if k < i else Fraction(0) for k in range(n))
+        tuple(
+            Fraction(1) if i == k else columns[k].get(order[i], Fraction(0)) if k < i else Fraction(0) for k in range(n)
+        )
         for i in range(n)
     )
     return LDL(tuple(order), L, tuple(D), definite)
@@ -71,7 +73,9 @@ class MinorSigns:
 
         allowed = _RULES[self.rule]
         return all(
-            allowed(determinant(principal(A, alpha))) for alpha in subsets(len(A)) if not (self.proper and len(alpha) == len(A))
+            allowed(determinant(principal(A, alpha)))
+            for alpha in subsets(len(A))
+            if not (self.proper and len(alpha) == len(A))
         )
 
 

@@ -5,8 +5,11 @@ from __future__ import annotations
 # (classes that must all hold, sentence). More special sentences come first; a sentence is shown once.
 _GUARANTEES: tuple[tuple[tuple[str, ...], str], ...] = (
     (("P",), "LCP(q, A) has exactly one solution for every q [CPS92, 3.3.7]; any method, block pivoting is fastest"),
-    (("PSD",), "LCP(q, A) is solvable whenever it is feasible and SOL(q, A) is convex [CPS92, 3.1]; "
-               "interior points are polynomial"),
+    (
+        ("PSD",),
+        "LCP(q, A) is solvable whenever it is feasible and SOL(q, A) is convex [CPS92, 3.1]; "
+        "interior points are polynomial",
+    ),
     (("CSU",), "SOL(q, A) is convex for every q [CPV89]"),
     (("RSU",), "every KKT point of min z'(Az + q) over FEA(q, A) solves LCP(q, A) [CPV89]"),
     (("SU",), "interior point methods solve LCP(q, A) (sufficient = P*(kappa)) [Val96]"),
@@ -35,9 +38,13 @@ def guarantees(known: dict[str, bool]) -> tuple[str, ...]:
         if all(known.get(s) for s in symbols) and not any(line.endswith(sentence) for line in found):
             found.append(f"{' and '.join(symbols)}: {sentence}")
     if known.get("tE0s") and known.get("P0") is False:
-        found.append("tE0s, not P0: no interior point guarantee (the paper's convergence theorem fails here); use Lemke")
+        found.append(
+            "tE0s, not P0: no interior point guarantee (the paper's convergence theorem fails here); use Lemke"
+        )
     if known.get("Q0") is False:
         found.append("not Q0: some feasible q has no solution; the witness shows one")
     if known.get("E0") is False:
-        found.append("not E0: some q > 0 has a solution besides 0, and no method of this library promises to decide every q")
+        found.append(
+            "not E0: some q > 0 has a solution besides 0, and no method of this library promises to decide every q"
+        )
     return tuple(found)

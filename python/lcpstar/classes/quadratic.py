@@ -154,7 +154,9 @@ def _in_transform(alpha: tuple[int, ...], verdict: Verdict) -> Finding:
     if not alpha:
         return Finding(False, lambda: verdict.reason, verdict.witness)
     return Finding(
-        False, lambda: f"the PPT on {set(alpha)} (up to a factor): {verdict.reason}", InTransform(alpha, verdict.witness)
+        False,
+        lambda: f"the PPT on {set(alpha)} (up to a factor): {verdict.reason}",
+        InTransform(alpha, verdict.witness),
     )
 
 
@@ -180,8 +182,10 @@ def exact_order(A: Subject, k: int) -> Finding:
             witness = Member("C0") if size == A.n else InSubmatrix(alpha, Member("C0"))
             return Finding(False, lambda w=witness: w.sentence(A.rows), witness)  # type: ignore[misc]
     if k > A.n:
-        return Finding(True, "there are no principal submatrices to ask") if k > A.n + 1 else Finding(
-            False, "the empty matrix is copositive", Member("C0")
+        return (
+            Finding(True, "there are no principal submatrices to ask")
+            if k > A.n + 1
+            else Finding(False, "the empty matrix is copositive", Member("C0"))
         )
     return Finding(True, f"every principal submatrix of order {A.n - k} is copositive, none of order {A.n - k + 1}")
 

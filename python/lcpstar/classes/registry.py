@@ -107,7 +107,14 @@ def evaluate(subject: Subject, symbol: str) -> Verdict:
         finding = Finding(None, f"the time limit passed{how_far}")
     cost = Cost(time.perf_counter() - start, done, total)
     return Verdict(
-        finding.holds, which.symbol, which.name, finding.witness, finding.certificate, cost, subject.rows, finding.reason
+        finding.holds,
+        which.symbol,
+        which.name,
+        finding.witness,
+        finding.certificate,
+        cost,
+        subject.rows,
+        finding.reason,
     )
 
 

@@ -73,7 +73,9 @@ class SolutionSet:
     def convex(self) -> bool:
         """Any two solutions satisfy z'w~ = 0: then, and only then, the segment between them solves."""
         A, zero = self._subject.rows, (Fraction(0),) * len(self.q)
-        points = [(z, tuple(a + b for a, b in zip(times(A, z), self.q, strict=True))) for f in self.faces for z in f.vertices]
+        points = [
+            (z, tuple(a + b for a, b in zip(times(A, z), self.q, strict=True))) for f in self.faces for z in f.vertices
+        ]
         points += [(tuple(map(Fraction, r)), times(A, r)) for f in self.faces for r in f.rays] if self.faces else []
         points = [p for p in points if p[0] != zero or any(p[1])]
         return all(dot(z, w) == 0 for z, _ in points for _, w in points)

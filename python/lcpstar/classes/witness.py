@@ -105,7 +105,9 @@ class FormValue:
     def refutes(self, A: Rows) -> bool:
         """Recompute x'Ax."""
         value = dot(self.x, times(A, self.x))
-        return any(self.x) and (value < 0 or (self.strict and value == 0)) and (not self.orthant or is_nonnegative(self.x))
+        return (
+            any(self.x) and (value < 0 or (self.strict and value == 0)) and (not self.orthant or is_nonnegative(self.x))
+        )
 
     def sentence(self, A: Rows) -> str:
         """Show x'Ax."""
