@@ -3,8 +3,8 @@
 Find z with  w = A z + q >= 0,  z >= 0,  z'w = 0.
 """
 
-from . import classes
-from ._core import __version__
+from . import classes, errors
+from ._core import Solution, __version__
 from .classes import (
     Classification,
     Verdict,
@@ -55,17 +55,38 @@ from .classes import (
     is_z,
     solution_set,
 )
+from .errors import LCPError
 from .explore import explore
+from .interior import potential_reduction
+from .options import BlockPivotingOptions, LemkeHowsonOptions, LemkeOptions, PotentialReductionOptions
+from .result import Certificate, Ray, Status
+from .solutions import Face, solutions
+from .solve import ppt, solve
+from .verify import Report, verify
 
 __all__ = [
-    "__version__",
-    "Classification",
-    "Verdict",
+    "solve",
+    "ppt",
+    "solutions",
+    "verify",
+    "potential_reduction",
+    "Solution",
+    "Status",
+    "Certificate",
+    "Face",
+    "Report",
+    "Ray",
+    "LemkeOptions",
+    "LemkeHowsonOptions",
+    "BlockPivotingOptions",
+    "PotentialReductionOptions",
     "classes",
     "classify",
     "explore",
     "game_value",
     "solution_set",
+    "Classification",
+    "Verdict",
     "is_almost_copositive",
     "is_almost_fully_copositive",
     "is_almost_n",
@@ -109,4 +130,7 @@ __all__ = [
     "is_sufficient",
     "is_tilde_semimonotone_star",
     "is_z",
+    "LCPError",
+    "errors",
+    "__version__",
 ]

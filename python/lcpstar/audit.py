@@ -1,4 +1,4 @@
-"""The paper's claims about matrix classes, recomputed: each becomes a formula, and `explore` looks for a counterexample.
+"""The paper's claims about matrix classes, recomputed: each becomes a formula that `explore` tries to refute.
 
 Nothing here knows the outcome beforehand: `expected` is what an earlier, independent recomputation found, and the table
 says where the two disagree.
@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
-from .classes.exact import Rows, pivot_transform, principal, read_matrix, times, transpose
+from .classes.exact import Rows, pivot_transform, principal, read_matrix, read_vector, times, transpose
 from .classes.registry import check
 from .classes.solution_set import solution_set
 from .explore import Exploration, explore
@@ -198,9 +198,8 @@ CLAIMS: tuple[Claim, ...] = (
     Claim(
         "Thm guu",
         "sufficient iff A and all PPTs are sufficient of order 2",
-        "(SU & every PPT in (every principal of order 2 in SU)) | (!SU & some PPT in (some principal of order 2 in !SU))".replace(
-            "in !SU", "in (!SU)"
-        ),
+        "(SU & every PPT in (every principal of order 2 in SU)) | "
+        "(!SU & some PPT in (some principal of order 2 in (!SU)))",
         HOLDS,
         n=(2, 3),
     ),
@@ -293,7 +292,7 @@ EXAMPLES: tuple[tuple[str, str, Callable[[], bool]], ...] = (
         "A is tE0s; the printed z* solves LCP(q, A)",
         lambda: (
             _classes(_EX11, "tE0s")
-            and times(_EX11, (Fraction(15, 14), Fraction(11, 7), Fraction(17, 7))) == (4, 7, -10)
+            and times(_EX11, (Fraction(15, 14), Fraction(11, 7), Fraction(17, 7))) == read_vector([4, 7, -10], 3)
         ),
     ),
     ("Ex. 11", "the LCP has exactly three solutions (not one)", _solutions_of_the_numerical_example),

@@ -1,4 +1,4 @@
-"""Certificates of membership, where a compact one exists; checked like witnesses, in `Fraction` and without the core."""
+"""Certificates of membership, where a compact one exists; checked like witnesses, without the core."""
 
 from __future__ import annotations
 

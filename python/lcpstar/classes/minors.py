@@ -101,7 +101,7 @@ def is_z(A: Subject) -> Finding:
         for j, value in enumerate(row):
             if i != j and value > 0:
                 witness = Entry(i, j)
-                return Finding(False, lambda: witness.sentence(A.rows), witness)
+                return Finding(False, witness.sentence(A.rows), witness)
     return Finding(True, "no entry off the diagonal is positive")
 
 

@@ -91,7 +91,7 @@ def is_copositive_plus(A: Subject) -> Finding:
 
 @predicate("C0*", "copositive star", limit=30)
 def is_copositive_star(A: Subject) -> Finding:
-    """C0, and x'Ax = 0, Ax >= 0, x >= 0 imply A'x <= 0. The second is linear on each piece of SOL(0, A): rays suffice."""
+    """C0, and x'Ax = 0, Ax >= 0, x >= 0 imply A'x <= 0. The second is linear on the pieces of SOL(0, A): rays do."""
     c0 = A.verdict("C0")
     if not c0:
         return Finding(c0.holds, lambda: c0.reason, c0.witness)
@@ -167,7 +167,7 @@ def is_almost_copositive(A: Subject) -> Finding:
 
 
 def exact_order(A: Subject, k: int) -> Finding:
-    """Copositive of exact order k: all principal submatrices of order n - k are copositive, none of order n - k + 1 is."""
+    """Copositive of exact order k: the principal submatrices of order n - k are C0, none of order n - k + 1 is."""
     if k == 0:
         c0 = A.verdict("C0")
         return Finding(c0.holds, lambda: c0.reason, c0.witness, c0.certificate)

@@ -1,4 +1,4 @@
-"""Symbols, names and predicates of all classes: `check(A, "E0s")`, `is_semimonotone_star(A)` and the CLI are one thing."""
+"""Symbols, names and predicates: `check(A, "E0s")`, `is_semimonotone_star(A)` and the command line are one thing."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ def predicate(symbol: str, name: str, limit: int | None = 40) -> Callable[[Predi
             return check(A, symbol, time_limit=time_limit)
 
         public.__annotations__ = {"A": Any, "time_limit": "float | None", "return": Verdict}
-        del public.__wrapped__  # type: ignore[attr-defined]
+        del public.__wrapped__
         CLASSES[symbol] = MatrixClass(symbol, name, decide, limit, public)
         return public
 

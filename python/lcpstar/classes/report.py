@@ -17,51 +17,12 @@ from .verdict import Cost, Verdict
 from .witness import Implied
 
 # Cheap classes first: what they decide saves the others.
-_ORDER = [
-    "PD",
-    "PSD",
-    "Z",
-    "P",
-    "P0",
-    "E0",
-    "E",
-    "C0",
-    "C",
-    "R0",
-    "K0",
-    "PSBD",
-    "PM",
-    "N",
-    "N0",
-    "almost-P",
-    "almost-P0",
-    "almost-N",
-    "almost-N0",
-    "C0+",
-    "C0*",
-    "E0s",
-    "tE0s",
-    "L2",
-    "L",
-    "R",
-    "CSU",
-    "RSU",
-    "SU",
-    "cE0s",
-    "ctE0s",
-    "almost-C0",
-    "almost-E",
-    "E0f",
-    "C0f",
-    "almost-C0f",
-    "cQ",
-    "Q",
-    "Q0",
-    "Qb",
-    "cQ0",
-    "++",
-    "Ec",
-]
+_ORDER = (
+    *("PD", "PSD", "Z", "P", "P0", "E0", "E", "C0", "C", "R0", "K0", "PSBD", "PM", "N", "N0"),
+    *("almost-P", "almost-P0", "almost-N", "almost-N0", "C0+", "C0*", "E0s", "tE0s", "L2", "L", "R"),
+    *("CSU", "RSU", "SU", "cE0s", "ctE0s", "almost-C0", "almost-E", "E0f", "C0f", "almost-C0f"),
+    *("cQ", "Q", "Q0", "Qb", "cQ0", "++", "Ec"),
+)
 # Up to this order every class is decided by its own definition, so that every verdict has its own witness.
 _DIRECT_UP_TO = 4
 

@@ -335,7 +335,7 @@ class Unsolvable:
 
 @dataclass(frozen=True)
 class IsolatedSolution:
-    """A solution z of LCP(q, A) with z_i + w_i > 0 and A[alpha, alpha] nonsingular is isolated; `other` is a second one."""
+    """A solution z with z_i + w_i > 0 and A[alpha, alpha] nonsingular is isolated; `other` is a second one."""
 
     q: Vector
     z: Vector

@@ -2,8 +2,8 @@
 
 use lcpstar::classes::budget::{Budget, Search, Stopped};
 use lcpstar::classes::cover::Step;
-use lcpstar::classes::pieces::Polyhedron;
 use lcpstar::classes::minors::{Rule, first_violation};
+use lcpstar::classes::pieces::Polyhedron;
 use lcpstar::classes::solvable::{PlusPlus, Solvable};
 use lcpstar::classes::zero_solutions::Star;
 use lcpstar::classes::{
@@ -132,7 +132,9 @@ impl IntegerMatrix {
     /// x with x'Ax < 0 (<= 0 when strict), x != 0.
     #[pyo3(signature = (strict=false, time_limit=None))]
     fn negative_direction(&self, py: Python<'_>, strict: bool, time_limit: Option<f64>) -> PyResult<Option<Vector>> {
-        self.search(py, time_limit, |_| Ok(definite::negative_direction(&self.a.symmetric_part(), strict).map(|x| out(&x))))
+        self.search(py, time_limit, |_| {
+            Ok(definite::negative_direction(&self.a.symmetric_part(), strict).map(|x| out(&x)))
+        })
     }
 
     /// x >= 0 that refutes E0 (E when strict).
@@ -144,7 +146,9 @@ impl IntegerMatrix {
     /// x >= 0 that refutes C0 (C when strict).
     #[pyo3(signature = (strict=false, time_limit=None))]
     fn copositive(&self, py: Python<'_>, strict: bool, time_limit: Option<f64>) -> PyResult<Option<Vector>> {
-        self.search(py, time_limit, |budget| Ok(semimonotone::copositive_violation(&self.a, strict, budget)?.map(|x| out(&x))))
+        self.search(py, time_limit, |budget| {
+            Ok(semimonotone::copositive_violation(&self.a, strict, budget)?.map(|x| out(&x)))
+        })
     }
 
     /// Support-minimal zeros of the form of a copositive matrix.
@@ -280,9 +284,7 @@ impl IntegerMatrix {
     #[pyo3(signature = (q, time_limit=None))]
     fn feasible_point(&self, py: Python<'_>, q: Vector, time_limit: Option<f64>) -> PyResult<Option<(Vector, BigInt)>> {
         let q: Vec<Int> = q.into_iter().map(Int::from).collect();
-        self.search(py, time_limit, |_| {
-            Ok(solvable::feasible_point(&self.a, &q).map(|(z, t)| (out(&z), t.to_big())))
-        })
+        self.search(py, time_limit, |_| Ok(solvable::feasible_point(&self.a, &q).map(|(z, t)| (out(&z), t.to_big()))))
     }
 
     /// (pieces (alpha, component, z, t), separations (alpha, beta, y), number of components) of SOL(q, A).

@@ -5,7 +5,11 @@ use pyo3::prelude::*;
 mod arrays;
 mod classes;
 mod errors;
+mod exact;
 mod explore;
+mod interior;
+mod solution;
+mod solve;
 
 /// The compiled core of lcpstar; use the `lcpstar` package instead.
 #[pymodule]
@@ -15,7 +19,15 @@ mod _core {
     #[pymodule_export]
     use crate::classes::IntegerMatrix;
     #[pymodule_export]
+    use crate::exact::{prove_solution, solutions};
+    #[pymodule_export]
     use crate::explore::{satisfies, scan};
+    #[pymodule_export]
+    use crate::interior::{potential_direction, potential_reduction};
+    #[pymodule_export]
+    use crate::solution::PySolution;
+    #[pymodule_export]
+    use crate::solve::{ppt, solve};
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {

@@ -6,12 +6,24 @@
 //! `error, status <- problem <- linalg, residual, pivoting, exact <- methods, certify <- driver <- batch`.
 //! [CPS92] writes `M` for our `A`; here `M` is a principal pivot transform of `A`.
 
+pub mod certify;
 pub mod classes;
+pub mod control;
+pub mod driver;
 pub mod error;
 pub mod exact;
+pub mod linalg;
+pub mod methods;
+pub mod pivoting;
 pub mod problem;
+pub mod residual;
+pub mod scaling;
+pub mod solution;
+pub mod solutions;
 pub mod status;
 
+pub use control::Control;
 pub use error::{LcpError, Result};
 pub use problem::Lcp;
+pub use solution::{Candidate, Certificate, Ray, Solution};
 pub use status::{Status, Termination};

@@ -193,14 +193,18 @@ impl Facts {
             Class::AlmostE => Ok(semimonotone::violation(a, true, b)?.is_some_and(|x| x.iter().all(|v| v.sign() > 0))),
             Class::Z => Ok((0..a.rows()).all(|i| (0..a.rows()).all(|j| i == j || a.at(i, j).sign() <= 0))),
             Class::K0 => self.all(&[Class::Z, Class::P0], b),
-            Class::Ec => Ok(self.holds(Class::CSU, b)?
-                || (self.holds(Class::E0f, b)? && connected::disconnected(a, b)?.is_none())),
+            Class::Ec => {
+                Ok(self.holds(Class::CSU, b)?
+                    || (self.holds(Class::E0f, b)? && connected::disconnected(a, b)?.is_none()))
+            }
             Class::R => Ok(regularity_violation(a, b)?.is_none()),
             Class::R0 => Ok(nonzero_solution(a, b)?.is_none()),
             Class::Q => Ok(infeasibility_rays(a).is_empty() && self.holds(Class::Q0, b)?),
             Class::Qb => self.all(&[Class::R0, Class::Q], b),
             Class::Q0 => self.solvable(b),
-            Class::CQ0 => Ok(self.holds(Class::Z, b)? || self.holds(Class::E, b)? || self.every_principal(Class::Q0, b)?),
+            Class::CQ0 => {
+                Ok(self.holds(Class::Z, b)? || self.holds(Class::E, b)? || self.every_principal(Class::Q0, b)?)
+            }
             Class::E0s => Ok(self.holds(Class::E0, b)? && star_violation(a, Star::Plain, b)?.is_none()),
             Class::TE0s => Ok(self.holds(Class::E0, b)? && star_violation(a, Star::Tilde, b)?.is_none()),
             Class::CE0s => self.every_principal(Class::E0s, b),

@@ -16,10 +16,7 @@ use std::collections::HashMap;
 
 /// The columns of the cone of q for which `P_alpha` and `P_beta` meet.
 fn meeting_columns(a: &IMatrix, alpha: u64, beta: u64) -> Vec<Vec<Int>> {
-    (0..a.rows())
-        .filter(|&j| (alpha ^ beta) >> j & 1 == 0)
-        .map(|j| column(a, j, alpha >> j & 1 == 1))
-        .collect()
+    (0..a.rows()).filter(|&j| (alpha ^ beta) >> j & 1 == 0).map(|j| column(a, j, alpha >> j & 1 == 1)).collect()
 }
 
 /// A nonempty piece of SOL(q, A).
@@ -242,7 +239,9 @@ impl<'a> Arrangement<'a> {
         if candidates.len() <= 1 {
             return Look::Connected;
         }
-        if let Some(f) = candidates.iter().find_map(|&(_, place)| if let Where::Cut(f) = place { Some(f) } else { None }) {
+        if let Some(f) =
+            candidates.iter().find_map(|&(_, place)| if let Where::Cut(f) = place { Some(f) } else { None })
+        {
             return Look::Split(f);
         }
         let mut component: Vec<usize> = (0..candidates.len()).collect();

@@ -125,8 +125,7 @@ impl<'a> Family<'a> {
     fn crossing(&self, a: &Generator, b: &Generator, (m, f): (usize, usize)) -> Generator {
         let facet = &self.members[m].facets[f];
         let (above, below) = (dot(facet, &a.x), dot(facet, &b.x));
-        let mut x: Vec<Int> =
-            a.x.iter().zip(&b.x).map(|(p, q)| Int::cross(&above, q, &below, p, &Int::ONE)).collect();
+        let mut x: Vec<Int> = a.x.iter().zip(&b.x).map(|(p, q)| Int::cross(&above, q, &below, p, &Int::ONE)).collect();
         make_primitive(&mut x);
         self.generator(x)
     }

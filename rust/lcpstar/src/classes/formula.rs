@@ -178,6 +178,8 @@ fn derive(m: &IMatrix, derived: &Derived) -> Option<IMatrix> {
         Derived::Inverse => Some(principal_pivot_transform(m, &(0..n).collect::<Vec<_>>())?.0),
         Derived::Negative => Some(IMatrix::from_fn(n, n, |i, j| -m.at(i, j))),
         Derived::Principal(mask) => (inside(*mask) && *mask != 0).then(|| m.principal(&indices(*mask))),
-        Derived::Transform(mask) => inside(*mask).then(|| principal_pivot_transform(m, &indices(*mask)))?.map(|(m, _)| m),
+        Derived::Transform(mask) => {
+            inside(*mask).then(|| principal_pivot_transform(m, &indices(*mask)))?.map(|(m, _)| m)
+        }
     }
 }

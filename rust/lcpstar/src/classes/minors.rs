@@ -217,7 +217,14 @@ impl<'a, 'b> Recursion<'a, 'b> {
     }
 
     /// As `exact` when every diagonal entry of `m` is zero.
-    fn zero_diagonal(&self, m: &IMatrix, names: &[usize], forced: u64, previous: &Int, chosen: u64) -> Search<Option<u64>> {
+    fn zero_diagonal(
+        &self,
+        m: &IMatrix,
+        names: &[usize],
+        forced: u64,
+        previous: &Int,
+        chosen: u64,
+    ) -> Search<Option<u64>> {
         let size = names.len();
         for i in 0..size {
             let alpha = chosen | 1 << names[i];
@@ -302,7 +309,8 @@ mod tests {
                         Some(alpha) => assert!(broken(&alpha), "{a:?} {rule:?} {alpha:b}"),
                         None => assert_eq!(by_size(n).find(broken), None, "{a:?} {rule:?}"),
                     }
-                    let exact = Recursion::new(&a, rule, proper, &budget).exact(a.clone(), indices(full(n)), 0, Int::ONE, 0);
+                    let exact =
+                        Recursion::new(&a, rule, proper, &budget).exact(a.clone(), indices(full(n)), 0, Int::ONE, 0);
                     assert_eq!(exact.expect("no limit").is_some(), found.is_some());
                 }
             }

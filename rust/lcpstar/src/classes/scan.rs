@@ -79,7 +79,14 @@ impl Space {
     ///
     /// # Errors
     /// `Stopped` by the budget.
-    pub fn scan(&self, hypothesis: &Formula, conclusion: &Formula, from: u64, to: u64, b: &Budget<'_>) -> Search<Tally> {
+    pub fn scan(
+        &self,
+        hypothesis: &Formula,
+        conclusion: &Formula,
+        from: u64,
+        to: u64,
+        b: &Budget<'_>,
+    ) -> Search<Tally> {
         let permutations = if self.up_to_permutation { permutations(self.n) } else { Vec::new() };
         let mut tally = Tally::default();
         for k in from..to {

@@ -43,7 +43,8 @@ fn block_violation(a: &IMatrix, alpha: &[usize], strict: bool) -> Option<Vec<Int
         let sign = a.at(*i, *i).sign();
         return (sign < 0 || (strict && sign == 0)).then(|| vec![Int::ONE]);
     }
-    let system = IMatrix::from_fn(k, k + 1, |i, j| if j < k { a.at(alpha[i], alpha[j]).clone() } else { Int::from(-1) });
+    let system =
+        IMatrix::from_fn(k, k + 1, |i, j| if j < k { a.at(alpha[i], alpha[j]).clone() } else { Int::from(-1) });
     let reduced = reduce(system, k);
     let mut x = match k - reduced.rank() {
         0 => reduced.particular(k, k)?.0,

@@ -139,9 +139,8 @@ pub enum PlusPlus {
 pub fn plus_plus(a: &IMatrix, budget: &Budget<'_>) -> Search<PlusPlus> {
     let n = a.rows();
     let unit = |i: usize| (0..n).map(|j| Int::from(i64::from(i == j))).collect::<Vec<_>>();
-    let generators = |j: usize| {
-        (0..n).filter(|&i| i != j).flat_map(|i| [unit(i), a.row(i).to_vec()]).collect::<Vec<_>>()
-    };
+    let generators =
+        |j: usize| (0..n).filter(|&i| i != j).flat_map(|i| [unit(i), a.row(i).to_vec()]).collect::<Vec<_>>();
     let mut members = Vec::new();
     // If column j of A is zero off the diagonal, the cone of j lies in v_j = 0 and contains no v > 0.
     for j in (0..n).filter(|&j| (0..n).any(|i| i != j && !a.at(i, j).is_zero())) {
@@ -164,4 +163,3 @@ pub fn plus_plus(a: &IMatrix, budget: &Budget<'_>) -> Search<PlusPlus> {
         }
     }
 }
-

@@ -159,7 +159,9 @@ pub fn pseudomonotone_violation(a: &IMatrix, budget: &Budget<'_>) -> Search<Opti
         let mut cone = Cone::new(n);
         for i in 0..n {
             let negative = beta >> i & 1 == 1;
-            cone.nonnegative((0..n).map(|j| Int::from(if i == j { if negative { -1 } else { 1 } } else { 0 })).collect());
+            cone.nonnegative(
+                (0..n).map(|j| Int::from(if i == j { if negative { -1 } else { 1 } } else { 0 })).collect(),
+            );
         }
         let column = |i: usize| (0..n).map(|r| a.at(r, i).clone()).collect::<Vec<_>>();
         indices(beta).into_iter().for_each(|i| cone.zero(column(i)));

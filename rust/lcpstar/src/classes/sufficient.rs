@@ -43,9 +43,7 @@ fn with_signs(block: &IMatrix, signs: u64) -> Option<Vec<Int>> {
     let mut cone = Cone::orthant(k);
     for i in 0..k {
         cone.nonnegative(
-            (0..k)
-                .map(|j| if negative(i) == negative(j) { -block.at(i, j) } else { block.at(i, j).clone() })
-                .collect(),
+            (0..k).map(|j| if negative(i) == negative(j) { -block.at(i, j) } else { block.at(i, j).clone() }).collect(),
         );
     }
     let mut x = vec![Int::ZERO; k];

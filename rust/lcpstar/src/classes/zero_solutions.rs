@@ -126,7 +126,8 @@ pub enum Star {
 pub fn star_violation(a: &IMatrix, star: Star, budget: &Budget<'_>) -> Search<Option<(Vec<Int>, usize)>> {
     visit(a, budget, |x| {
         let (w, y) = (a.times(&x), a.transpose_times(&x));
-        let bad = (0..a.rows()).find(|&i| y[i].sign() > 0 || (star == Star::Tilde && !y[i].is_zero() && w[i].is_zero()));
+        let bad =
+            (0..a.rows()).find(|&i| y[i].sign() > 0 || (star == Star::Tilde && !y[i].is_zero() && w[i].is_zero()));
         match bad {
             Some(i) => ControlFlow::Break((x, i)),
             None => ControlFlow::Continue(()),

@@ -129,9 +129,8 @@ fn cut(rays: Vec<Ray>, g: &[Int], index: usize, k: usize) -> Vec<Ray> {
         }
         for (m, other) in rays.iter().enumerate() {
             if values[m].sign() < 0 && adjacent(&rays, p, m, k) {
-                let mut x: Vec<Int> = (0..k)
-                    .map(|i| Int::cross(&values[p], &other.x[i], &values[m], &ray.x[i], &Int::ONE))
-                    .collect();
+                let mut x: Vec<Int> =
+                    (0..k).map(|i| Int::cross(&values[p], &other.x[i], &values[m], &ray.x[i], &Int::ONE)).collect();
                 make_primitive(&mut x);
                 kept.push(Ray { x, tight: (ray.tight & other.tight) | 1 << index });
             }

@@ -1,0 +1,79 @@
+"""Options of the methods of `solve`: one frozen class per method; `None` means the core's default."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from numpy.typing import ArrayLike
+
+from .coerce import as_vector
+from .errors import OptionError
+
+
+@dataclass(frozen=True, eq=False)
+class LemkeOptions:
+    """Options of `method="lemke"`.
+
+    `d` : (n,) covering vector, strictly positive, in the units of w. Without it, ones on the equilibrated problem, then
+    `restarts` (default 6) other vectors after a failure, drawn with `seed` (default 0). With it, exactly that run.
+    """
+
+    d: ArrayLike | None = None
+    restarts: int | None = None
+    seed: int | None = None
+
+    def __post_init__(self) -> None:
+        if self.d is not None:
+            object.__setattr__(self, "d", as_vector("d", self.d))
+
+
+@dataclass(frozen=True)
+class LemkeHowsonOptions:
+    """Options of `method="lemke_howson"`: the `label` (an index, default 0) that is dropped first."""
+
+    label: int | None = None
+
+
+@dataclass(frozen=True)
+class BlockPivotingOptions:
+    """Options of `method="block_pivoting"`.
+
+    `patience` (default 5): block exchanges that may fail to reduce the number of wrong signs before Murty's rule takes
+    over. `alpha`: first guess of the support; default, the indices with `q_i < 0`.
+    """
+
+    patience: int | None = None
+    alpha: Sequence[int] | None = None
+
+
+@dataclass(frozen=True)
+class PotentialReductionOptions:
+    """Options of `method="potential_reduction"`: the paper's parameters, as in `lcpstar.potential_reduction`.
+
+    Its `eps` is chosen from `tol`. Defaults: beta 0.5, gamma 0.5, sigma 0.2, kappa_factor 1.01, min_halvings 1,
+    direction "cholesky" (or "qr"), long_step False.
+    """
+
+    beta: float | None = None
+    gamma: float | None = None
+    sigma: float | None = None
+    kappa_factor: float | None = None
+    min_halvings: int | None = None
+    direction: str | None = None
+    long_step: bool | None = None
+
+    def __post_init__(self) -> None:
+        if self.min_halvings is not None and self.min_halvings < 0:
+            raise OptionError(f"min_halvings must be nonnegative, got {self.min_halvings}")
+
+
+MethodOptions = LemkeOptions | LemkeHowsonOptions | BlockPivotingOptions | PotentialReductionOptions
+
+#: The options class of each method that has one.
+OPTIONS: dict[str, type[MethodOptions]] = {
+    "lemke": LemkeOptions,
+    "lemke_howson": LemkeHowsonOptions,
+    "block_pivoting": BlockPivotingOptions,
+    "potential_reduction": PotentialReductionOptions,
+}

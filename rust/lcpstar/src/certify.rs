@@ -1,0 +1,218 @@
+//! The only place that may say "solved" or "infeasible": every claim is recomputed from the caller's data.
+
+use crate::linalg::kernels::max_abs;
+use crate::residual::{equilibrated_residual, natural_residual, slack};
+use crate::scaling::Equilibrated;
+use crate::solution::{Candidate, Certificate, Ray, Solution};
+use crate::status::{Status, Termination};
+
+/// A point of the equilibrated problem, judged.
+struct Judged {
+    z: Vec<f64>,
+    w: Vec<f64>,
+    residual: f64,
+    natural_residual: f64,
+    solves: bool,
+}
+
+/// Turns what `method` found on the equilibrated problem into a verified [`Solution`] of the caller's. O(n^2).
+///
+/// "Solved" needs both views: the scale-free residual within `tol`, and in the caller's own units
+/// `|min(z, w)|_i <= 10 tol max|q| + 8 eps (|A||z| + |q|)_i` in every row, so that neither a badly scaled
+/// row nor a badly chosen unit can hide an error.
+#[must_use]
+pub fn certify(problem: &Equilibrated<'_>, candidate: Candidate, method: &'static str, tol: f64) -> Solution {
+    let judged = judge(problem, candidate.z, tol);
+    let n = judged.z.len();
+    let (status, certificate) = if judged.solves {
+        (Status::Solved, None)
+    } else if let Some(y) = farkas_vector(problem, candidate.farkas.as_deref(), candidate.ray.as_ref()) {
+        (Status::Infeasible, Some(Certificate::Infeasible { y }))
+    } else {
+        (unsolved(candidate.termination), None)
+    };
+    let alpha = match candidate.alpha {
+        Some(alpha) if status == Status::Solved => alpha,
+        _ => (0..n).filter(|&i| judged.z[i] > 0.0).collect(),
+    };
+    let certificate = match status {
+        Status::Solved => Some(Certificate::Solution { alpha: alpha.clone() }),
+        _ => certificate,
+    };
+    let message = explain(status, candidate.termination, judged.residual, tol);
+    Solution {
+        z: judged.z,
+        w: judged.w,
+        status,
+        method,
+        iterations: candidate.iterations,
+        residual: judged.residual,
+        natural_residual: judged.natural_residual,
+        alpha,
+        certificate,
+        ray: candidate.ray.map(|ray| ray_to_caller(problem, &ray)),
+        message,
+    }
+}
+
+/// Recomputes `w`, both residuals and the row test. Negative entries of `z` are set to zero first.
+fn judge(problem: &Equilibrated<'_>, mut z: Vec<f64>, tol: f64) -> Judged {
+    for x in &mut z {
+        if !x.is_finite() {
+            *x = f64::NAN;
+        } else if *x <= 0.0 {
+            *x = 0.0; // also turns -0 into 0
+        }
+    }
+    if z.iter().any(|x| x.is_nan()) {
+        z.fill(0.0); // no iterate worth keeping
+    }
+    let (w, magnitude) = slack(&problem.lcp, &z);
+    let residual = equilibrated_residual(&z, &w);
+    let caller_z = problem.scaling.z_to_caller(&z);
+    let caller_w = problem.scaling.w_to_caller(&w);
+    let magnitude = problem.scaling.w_to_caller(&magnitude);
+    let allowed = 10.0 * tol * max_abs(problem.original.q());
+    let rows_agree = caller_z
+        .iter()
+        .zip(&caller_w)
+        .zip(&magnitude)
+        .all(|((&z, &w), &m)| z.is_finite() && z.min(w).abs() <= allowed + 8.0 * f64::EPSILON * m);
+    Judged {
+        solves: residual <= tol && rows_agree,
+        residual,
+        natural_residual: natural_residual(&caller_z, &caller_w),
+        z: caller_z,
+        w: caller_w,
+    }
+}
+
+/// The first candidate that passes [`is_farkas`], in the caller's units.
+fn farkas_vector(problem: &Equilibrated<'_>, farkas: Option<&[f64]>, ray: Option<&Ray>) -> Option<Vec<f64>> {
+    let ray = ray.map(|ray| ray.z_hat.as_slice());
+    let y = [farkas, ray].into_iter().flatten().find_map(|y| normalised(y).filter(|y| is_farkas(problem, y)))?;
+    Some(problem.scaling.multiplier_to_caller(&y))
+}
+
+/// `y` with negative entries set to zero and `max|y| = 1`.
+fn normalised(y: &[f64]) -> Option<Vec<f64>> {
+    let largest = max_abs(y);
+    (largest.is_finite() && largest > 0.0).then(|| y.iter().map(|y| (y / largest).max(0.0)).collect())
+}
+
+/// Whether `y >= 0` proves that no `z >= 0` has `A z + q >= 0`.
+///
+/// Exactly, `A'y <= 0` and `q'y < 0` are a proof: `0 <= y'(A z + q) <= q'y < 0`. In floating point
+/// `(A'y)_j` may exceed 0 by rounding, `delta` say; then every feasible `z` has `sum z >= -q'y / delta`.
+/// We ask `delta` to be rounding of its own sum and that bound to exceed 10^10 in equilibrated units.
+fn is_farkas(problem: &Equilibrated<'_>, y: &[f64]) -> bool {
+    let lcp = &problem.lcp;
+    let n = lcp.n();
+    let mut column = vec![0.0; n];
+    let delta = (0..n)
+        .map(|j| {
+            for (i, c) in column.iter_mut().enumerate() {
+                *c = lcp.a()[i * n + j];
+            }
+            let (sum, magnitude) = crate::linalg::kernels::dot_compensated(0.0, &column, y);
+            if sum <= 64.0 * f64::EPSILON * magnitude { sum.max(0.0) } else { f64::INFINITY }
+        })
+        .fold(0.0, f64::max);
+    let (qy, magnitude) = crate::linalg::kernels::dot_compensated(0.0, lcp.q(), y);
+    qy < -64.0 * f64::EPSILON * magnitude && delta * 1e10 <= -qy
+}
+
+/// The status of a point that neither solves the problem nor comes with a proof that nothing does.
+fn unsolved(termination: Termination) -> Status {
+    match termination {
+        Termination::SecondaryRay => Status::SecondaryRay,
+        Termination::IterationLimit => Status::MaxIterations,
+        Termination::TimeLimit | Termination::Interrupted => Status::TimeLimit,
+        Termination::ComplementaryBasis
+        | Termination::Converged
+        | Termination::Infeasible
+        | Termination::Breakdown(_) => Status::NumericalBreakdown,
+    }
+}
+
+fn ray_to_caller(problem: &Equilibrated<'_>, ray: &Ray) -> Ray {
+    let scaling = &problem.scaling;
+    let s = |x: f64, e: i32| crate::scaling::times_power_of_two(x, e);
+    Ray {
+        z: scaling.z_to_caller(&ray.z),
+        z0: s(ray.z0, -scaling.q),
+        z_hat: scaling.direction_to_caller(&ray.z_hat),
+        z0_hat: ray.z0_hat,
+        w_hat: ray.w_hat.iter().zip(&scaling.rows).map(|(&w, &r)| s(w, -r)).collect(),
+        d: ray.d.iter().zip(&scaling.rows).map(|(&d, &r)| s(d, -r)).collect(),
+    }
+}
+
+fn explain(status: Status, termination: Termination, residual: f64, tol: f64) -> String {
+    match (status, termination) {
+        (Status::Solved, _) => format!("solved: residual {residual:.2e} <= tol {tol:.0e}"),
+        (Status::Infeasible, _) => {
+            "infeasible: the certificate's y >= 0 has A'y <= 0 and q'y < 0, so no z >= 0 has A z + q >= 0".to_owned()
+        }
+        (Status::SecondaryRay, _) => "Lemke's method ended on a secondary ray, from which nothing follows for this \
+             matrix; try method=\"auto\", another covering vector d, or lcpstar.solutions"
+            .to_owned(),
+        (Status::MaxIterations, _) => {
+            format!(
+                "iteration limit reached with residual {residual:.2e} > tol {tol:.0e}; raise max_iterations or try method=\"auto\""
+            )
+        }
+        (Status::TimeLimit, Termination::Interrupted) => format!("interrupted with residual {residual:.2e}"),
+        (Status::TimeLimit, _) => {
+            format!("time limit reached with residual {residual:.2e} > tol {tol:.0e}; raise time_limit or tol")
+        }
+        (Status::NumericalBreakdown, Termination::Breakdown(reason)) => {
+            format!("{reason} (residual {residual:.2e}, tol {tol:.0e}); try method=\"auto\" or certify=\"exact\"")
+        }
+        (Status::NumericalBreakdown, _) => format!(
+            "the method finished, but its point has residual {residual:.2e} > tol {tol:.0e} on the caller's data; \
+             try method=\"auto\", a larger tol, or certify=\"exact\""
+        ),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::problem::Lcp;
+
+    fn verdict(a: &[f64], q: &[f64], z: &[f64], tol: f64) -> Solution {
+        let lcp = Lcp::new(q.len(), a.to_vec(), q.to_vec()).expect("valid");
+        let problem = Equilibrated::new(&lcp);
+        let z = problem.scaling.z_from_caller(z);
+        certify(&problem, Candidate::point(z, Termination::Converged, 0), "test", tol)
+    }
+
+    #[test]
+    fn a_claim_without_substance_is_not_believed() {
+        assert_eq!(verdict(&[2.0], &[-1.0], &[0.5], 1e-9).status, Status::Solved);
+        assert_eq!(verdict(&[2.0], &[-1.0], &[0.5 + 1e-6], 1e-9).status, Status::NumericalBreakdown);
+        assert_eq!(verdict(&[2.0], &[-1.0], &[0.0], 1e-9).status, Status::NumericalBreakdown);
+        let nan = verdict(&[2.0], &[-1.0], &[f64::NAN], 1e-9);
+        assert_eq!((nan.status, nan.z[0]), (Status::NumericalBreakdown, 0.0));
+    }
+
+    #[test]
+    fn a_badly_scaled_row_cannot_hide() {
+        // Row 2 is a million times smaller: its error of 100 % must still be seen.
+        let (a, q) = ([1.0, 0.0, 0.0, 1e-6], [-1.0, -1e-6]);
+        assert_eq!(verdict(&a, &q, &[1.0, 1.0], 1e-9).status, Status::Solved);
+        assert_ne!(verdict(&a, &q, &[1.0, 0.0], 1e-6).status, Status::Solved);
+    }
+
+    #[test]
+    fn a_farkas_vector_is_checked() {
+        let lcp = Lcp::new(2, vec![1.0, -1.0, -1.0, 1.0], vec![-1.0, -1.0]).expect("valid");
+        let problem = Equilibrated::new(&lcp);
+        let mut candidate = Candidate::point(vec![0.0; 2], Termination::Infeasible, 0);
+        candidate.farkas = Some(vec![1.0, 1.0]);
+        assert_eq!(certify(&problem, candidate.clone(), "test", 1e-9).status, Status::Infeasible);
+        candidate.farkas = Some(vec![1.0, 0.999]);
+        assert_eq!(certify(&problem, candidate, "test", 1e-9).status, Status::NumericalBreakdown);
+    }
+}

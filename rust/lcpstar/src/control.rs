@@ -1,0 +1,44 @@
+//! What may stop a method from outside: an iteration limit, a deadline, an interrupt.
+
+use crate::status::Termination;
+use std::time::Instant;
+
+/// Asked by every method once per iteration. Borrowed, `Sync`, no cost worth naming when nothing is set.
+#[derive(Clone, Copy, Default)]
+pub struct Control<'a> {
+    /// Iterations after which the method stops; `None`: the method's own default.
+    pub max_iterations: Option<usize>,
+    /// When to stop.
+    pub deadline: Option<Instant>,
+    /// Says whether the caller wants to stop (Ctrl-C); asked at most every iteration.
+    pub interrupted: Option<&'a (dyn Fn() -> bool + Sync)>,
+}
+
+impl Control<'_> {
+    /// The reason to stop before iteration number `iteration` (from 0), if any; `default_limit` when none was given.
+    #[must_use]
+    pub fn stop(&self, iteration: usize, default_limit: usize) -> Option<Termination> {
+        if iteration >= self.max_iterations.unwrap_or(default_limit) {
+            return Some(Termination::IterationLimit);
+        }
+        self.expired()
+    }
+
+    /// The reason to stop that does not depend on counting.
+    #[must_use]
+    pub fn expired(&self) -> Option<Termination> {
+        if self.deadline.is_some_and(|deadline| Instant::now() >= deadline) {
+            return Some(Termination::TimeLimit);
+        }
+        if self.interrupted.is_some_and(|asked| asked()) {
+            return Some(Termination::Interrupted);
+        }
+        None
+    }
+
+    /// The same deadline and interrupt with another iteration limit.
+    #[must_use]
+    pub fn with_max_iterations(self, max_iterations: Option<usize>) -> Self {
+        Self { max_iterations, ..self }
+    }
+}

@@ -1,0 +1,227 @@
+//! Equilibration by powers of two: `A' = D_r A D_c`, `q' = s D_r q`, `z = D_c z' / s`, `w = D_r^-1 w' / s`.
+//!
+//! Positive diagonals keep signs, supports and complementarity; powers of two keep every digit, so solutions,
+//! rays and Farkas vectors of the scaled problem are those of the caller's. Only exponents are stored.
+
+use crate::linalg::kernels;
+use crate::problem::Lcp;
+
+/// Binary exponents of the diagonals `D_r`, `D_c` and of the factor `s`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Scaling {
+    /// `D_r = diag(2^rows)`.
+    pub rows: Vec<i32>,
+    /// `D_c = diag(2^columns)`.
+    pub columns: Vec<i32>,
+    /// `s = 2^q`.
+    pub q: i32,
+}
+
+/// A problem beside its equilibrated copy.
+#[derive(Clone, Debug)]
+pub struct Equilibrated<'a> {
+    /// The caller's problem.
+    pub original: &'a Lcp,
+    /// The equilibrated problem: every nonzero row and column of A has its largest entry in [1/4, 2), `max|q| < 1`.
+    pub lcp: Lcp,
+    /// How the one became the other.
+    pub scaling: Scaling,
+}
+
+/// `x 2^e`, exact unless the result leaves the range of doubles.
+#[must_use]
+pub fn times_power_of_two(x: f64, e: i32) -> f64 {
+    if (-1021..=1023).contains(&e) {
+        return x * power_of_two(e);
+    }
+    // Two or three exact steps; the last one alone may round (underflow) or overflow.
+    let step = e.clamp(-1021, 1023);
+    times_power_of_two(x * power_of_two(step), (e - step).clamp(-2200, 2200))
+}
+
+/// `2^e` for a normal exponent.
+fn power_of_two(e: i32) -> f64 {
+    f64::from_bits(u64::from((e + 1023).unsigned_abs()) << 52)
+}
+
+/// The exponent `e` with `2^(e-1) <= |x| < 2^e`; `ZERO` for zero.
+#[must_use]
+pub fn exponent(x: f64) -> i32 {
+    let biased = ((x.to_bits() >> 52) & 0x7ff) as i32;
+    match biased {
+        0 if x == 0.0 => ZERO,
+        0 => exponent(x * power_of_two(64)) - 64, // subnormal
+        _ => biased - 1022,
+    }
+}
+
+/// The exponent given to zero: smaller than any real one, whatever is added to it.
+const ZERO: i32 = -1_000_000;
+
+/// Sweeps of Ruiz's iteration at most; each halves every row's and column's distance from 1 in exponent.
+const SWEEPS: usize = 12;
+
+impl Scaling {
+    /// Ruiz equilibration in the max norm, rounded to powers of two. [Rui01]  O(n^2).
+    ///
+    /// Rows and columns are updated together, so a symmetric matrix gets `D_r = D_c` and stays symmetric.
+    #[must_use]
+    pub fn new(lcp: &Lcp) -> Self {
+        let n = lcp.n();
+        let (rows, columns) = if is_equilibrated(lcp) { (vec![0; n], vec![0; n]) } else { Self::sweeps(lcp) };
+        let largest = lcp.q().iter().zip(&rows).map(|(&x, r)| exponent(x) + r).max().unwrap_or(ZERO);
+        let q = if largest < ZERO / 2 { 0 } else { -largest };
+        Self { rows, columns, q }
+    }
+
+    /// The exponents of `D_r` and `D_c`.
+    fn sweeps(lcp: &Lcp) -> (Vec<i32>, Vec<i32>) {
+        let n = lcp.n();
+        let exponents: Vec<i32> = lcp.a().iter().map(|&x| exponent(x)).collect();
+        let (mut rows, mut columns) = (vec![0; n], vec![0; n]);
+        let (mut row_max, mut column_max) = (vec![ZERO; n], vec![ZERO; n]);
+        for _ in 0..SWEEPS {
+            column_max.fill(ZERO);
+            for i in 0..n {
+                let mut largest = ZERO;
+                for ((&e, &c), m) in exponents[i * n..(i + 1) * n].iter().zip(&columns).zip(&mut column_max) {
+                    largest = largest.max(e + c);
+                    *m = (*m).max(e + rows[i]);
+                }
+                row_max[i] = largest;
+            }
+            let mut changed = false;
+            for i in 0..n {
+                changed |= halve(&mut rows[i], row_max[i]);
+                changed |= halve(&mut columns[i], column_max[i]);
+            }
+            if !changed {
+                break;
+            }
+        }
+        (rows, columns)
+    }
+
+    /// `z` of the caller from `z'` of the equilibrated problem.
+    #[must_use]
+    pub fn z_to_caller(&self, z: &[f64]) -> Vec<f64> {
+        z.iter().zip(&self.columns).map(|(&z, c)| times_power_of_two(z, c - self.q)).collect()
+    }
+
+    /// `z'` of the equilibrated problem from the caller's `z`.
+    #[must_use]
+    pub fn z_from_caller(&self, z: &[f64]) -> Vec<f64> {
+        z.iter().zip(&self.columns).map(|(&z, c)| times_power_of_two(z, self.q - c)).collect()
+    }
+
+    /// `w` of the caller from `w'` of the equilibrated problem.
+    #[must_use]
+    pub fn w_to_caller(&self, w: &[f64]) -> Vec<f64> {
+        w.iter().zip(&self.rows).map(|(&w, r)| times_power_of_two(w, -r - self.q)).collect()
+    }
+
+    /// A vector in w-space (a slack, a covering vector) from the caller's: `d' = s D_r d`.
+    #[must_use]
+    pub fn w_from_caller(&self, w: &[f64]) -> Vec<f64> {
+        w.iter().zip(&self.rows).map(|(&w, r)| times_power_of_two(w, r + self.q)).collect()
+    }
+
+    /// A direction in z-space (a ray): as `z`, without the factor `s` that belongs to q.
+    #[must_use]
+    pub fn direction_to_caller(&self, z: &[f64]) -> Vec<f64> {
+        z.iter().zip(&self.columns).map(|(&z, &c)| times_power_of_two(z, c)).collect()
+    }
+
+    /// A multiplier of the rows (a Farkas vector): `A'y' <= 0` gives `A' (D_r y') <= 0`.
+    #[must_use]
+    pub fn multiplier_to_caller(&self, y: &[f64]) -> Vec<f64> {
+        y.iter().zip(&self.rows).map(|(&y, &r)| times_power_of_two(y, r)).collect()
+    }
+}
+
+/// Whether every row and column has its largest entry in [1/4, 2) already: one pass, no exponents.
+fn is_equilibrated(lcp: &Lcp) -> bool {
+    let n = lcp.n();
+    let mut columns = vec![0.0; n];
+    let near_one = |m: f64| (0.25..2.0).contains(&m);
+    for i in 0..n {
+        if !near_one(kernels::max_into(lcp.row(i), &mut columns)) {
+            return false;
+        }
+    }
+    columns.into_iter().all(near_one)
+}
+
+/// Moves `exponent` half the way that brings the largest entry, `2^largest`, to 1; `false` when it is there.
+fn halve(exponent: &mut i32, largest: i32) -> bool {
+    let current = largest + *exponent;
+    if largest < ZERO / 2 || (-1..=1).contains(&current) {
+        return false;
+    }
+    *exponent -= current / 2;
+    true
+}
+
+impl<'a> Equilibrated<'a> {
+    /// Equilibrates `original`. O(n^2).
+    #[must_use]
+    pub fn new(original: &'a Lcp) -> Self {
+        let scaling = Scaling::new(original);
+        let n = original.n();
+        let a = if scaling.rows.iter().chain(&scaling.columns).all(|&e| e == 0) {
+            original.a().to_vec()
+        } else {
+            let mut a = Vec::with_capacity(n * n);
+            for i in 0..n {
+                let r = scaling.rows[i];
+                a.extend(original.row(i).iter().zip(&scaling.columns).map(|(&x, c)| times_power_of_two(x, r + c)));
+            }
+            a
+        };
+        let q = original.q().iter().zip(&scaling.rows).map(|(&x, r)| times_power_of_two(x, r + scaling.q)).collect();
+        Self { original, lcp: Lcp::trusted(n, a, q), scaling }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn largest(x: &[f64]) -> f64 {
+        x.iter().fold(0.0, |m, x| m.max(x.abs()))
+    }
+
+    #[test]
+    fn rows_and_columns_reach_one_within_a_factor_of_four() {
+        let a = vec![1e-10, 3e-300, 5.0, 1e8, 0.0, 2e200, 7e-9, 1.0, 0.0];
+        let lcp = Lcp::new(3, a, vec![1e300, -5e-324, 0.0]).expect("finite");
+        let e = Equilibrated::new(&lcp);
+        for i in 0..3 {
+            let column: Vec<f64> = (0..3).map(|k| e.lcp.row(k)[i]).collect();
+            for m in [largest(e.lcp.row(i)), largest(&column)] {
+                assert!((0.25..2.0).contains(&m), "{m}");
+            }
+        }
+        assert!((0.5..1.0).contains(&largest(e.lcp.q())));
+    }
+
+    #[test]
+    fn symmetric_stays_symmetric_and_z_round_trips() {
+        let a = vec![4.0, 1e5, 0.0, 1e5, 1e12, 3.0, 0.0, 3.0, 1e-6];
+        let lcp = Lcp::new(3, a, vec![-1.0, 2.0, 1e-3]).expect("finite");
+        let e = Equilibrated::new(&lcp);
+        assert_eq!(e.scaling.rows, e.scaling.columns);
+        let z = vec![1.5, -3e-5, 1e9];
+        assert_eq!(e.scaling.z_to_caller(&e.scaling.z_from_caller(&z)), z);
+    }
+
+    #[test]
+    fn powers_of_two_beyond_the_normal_range() {
+        assert_eq!(times_power_of_two(1.5, -1074), 1e-323);
+        assert_eq!(times_power_of_two(5e-324, 1074), 1.0);
+        assert_eq!(times_power_of_two(5e-324, 2000), 2f64.powi(926));
+        assert_eq!(times_power_of_two(1.0, -3000), 0.0);
+        assert_eq!(times_power_of_two(1.0, 3000), f64::INFINITY);
+        assert_eq!((exponent(1.0), exponent(0.75), exponent(-2.0), exponent(5e-324)), (1, 0, 2, -1073));
+    }
+}
