@@ -5,7 +5,19 @@ from .coerce import Matrix, Vector
 from .options import MethodOptions, PotentialReductionOptions
 from .result import Certificate, Ray, Status
 
-__all__ = ["Solution", "__version__", "potential_direction", "potential_reduction", "ppt", "solve"]
+__all__ = [
+    "IntegerMatrix",
+    "Solution",
+    "__version__",
+    "potential_direction",
+    "potential_reduction",
+    "ppt",
+    "prove_solution",
+    "satisfies",
+    "scan",
+    "solutions",
+    "solve",
+]
 __version__: str
 
 @final
