@@ -181,7 +181,7 @@ def test_pivot_transform_of_a_pivot_transform_is_the_matrix():
 
 
 def test_floats_are_the_binary_rationals_they_are():
-    """0.1 * 10 rounds to 1 in doubles, but the double 0.1 is more than 1/10: the determinant 1 - 10 * 0.1 is negative."""
+    """0.1 * 10 rounds to 1 in doubles, but the double 0.1 is more than 1/10, so that det = 1 - 10 * 0.1 < 0."""
     assert 1 - 10 * 0.1 == 0
     assert classes.check([[1, 0.1], [10, 1]], "P0").holds is False
     assert classes.check([[1, "1/10"], [10, 1]], "P0").holds is True
@@ -250,7 +250,10 @@ def test_time_limit_leaves_the_verdict_open_and_says_how_far_it_got():
 
 
 def test_control_c_stops_a_search():
-    code = "import numpy as np, lcpstar; print('go', flush=True)\nlcpstar.is_semimonotone(np.triu(np.full((30, 30), 7), 1) + np.eye(30))"
+    code = (
+        "import numpy as np, lcpstar; print('go', flush=True)\n"
+        "lcpstar.is_semimonotone(np.triu(np.full((30, 30), 7), 1) + np.eye(30))"
+    )
     process = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
     assert process.stdout.readline() == b"go\n"
     time.sleep(0.3)

@@ -111,7 +111,7 @@ def test_language(claim, matrix, expected):
         ("E0 & & P", "expected a statement"),
         ("E0 P", "expected the end"),
         ("(E0", r"expected '\)'"),
-        ("E9", "cannot read"),
+        ("E9", "expected a statement, got 'E9'"),
         ("v >", "expected a number"),
         ("det 3", "expected a relation"),
         ("A[0,0] in P", "repeated"),

@@ -102,7 +102,11 @@ def to_json(witness: Any) -> Any:
     if isinstance(witness, Fraction):
         return str(witness)
     if isinstance(witness, Implied):
-        return {"kind": "Implied", "inclusion": witness.inclusion, "witness": to_json(witness.verdict.witness)}
+        return {
+            "kind": "Implied",
+            "inclusion": witness.inclusion,
+            "witness": [to_json(v.witness) for v in witness.verdicts],
+        }
     if isinstance(witness, (tuple, list)):
         return [to_json(part) for part in witness]
     if isinstance(witness, dict):

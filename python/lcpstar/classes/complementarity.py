@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from functools import partial
 from typing import Any
 
 from .certificate import MinkowskiFactor, OrthantTrees
@@ -32,7 +33,9 @@ from .witness import (
 
 
 def _same(verdict: Verdict, prefix: str = "") -> Finding:
-    return Finding(verdict.holds, lambda: prefix + verdict.reason, verdict.witness, verdict.certificate)
+    return Finding(
+        verdict.holds, lambda: prefix + verdict.reason, verdict.witness, partial(getattr, verdict, "certificate")
+    )
 
 
 def _both(A: Subject, first: str, second: str) -> Finding:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 from .certificate import MinorSigns, PositiveVector
 from .exact import solve
 from .registry import predicate
@@ -35,7 +37,7 @@ def _almost(A: Subject, rule: str, opposite: str) -> Finding:
 
 
 def _implied(A: Subject, smaller: str, sentence: str) -> Finding:
-    return Finding(True, sentence, certificate=Implied(A.verdict(smaller), sentence))
+    return Finding(True, sentence, certificate=Implied((A.verdict(smaller),), sentence))
 
 
 @predicate("P", "P-matrix")
@@ -115,4 +117,4 @@ def is_k0(A: Subject) -> Finding:
     if v is not None and min(v) > 0:
         return Finding(True, "in Z with v > 0, Av = e > 0: an M-matrix", certificate=PositiveVector(v))
     p0 = A.verdict("P0")
-    return Finding(p0.holds, lambda: f"in Z; {p0.reason}", p0.witness, p0.certificate)
+    return Finding(p0.holds, lambda: f"in Z; {p0.reason}", p0.witness, partial(getattr, p0, "certificate"))

@@ -31,7 +31,7 @@ def _definite(A: Subject, strict: bool) -> Finding:
         witness = FormValue(tuple(x), strict)
         return Finding(False, lambda: witness.sentence(A.rows), witness)
     sign = "> 0" if strict else ">= 0"
-    return Finding(True, f"A + A' = L D L' with D {sign}", certificate=ldl(A.rows, strict))
+    return Finding(True, f"A + A' = L D L' with D {sign}", certificate=functools.partial(ldl, A.rows, strict))
 
 
 @predicate("C0", "copositive", limit=30)
@@ -57,7 +57,7 @@ def _copositive(A: Subject, strict: bool) -> Finding:
         return Finding(False, lambda: witness.sentence(A.rows), witness)
     name = "x'Ax > 0" if strict else "x'Ax >= 0"
     reason = f"{name} on every face of the orthant: no A + A' restricted to an index set maps some x > 0 to -e"
-    return Finding(True, reason, certificate=None if strict else _decomposition(A))
+    return Finding(True, reason, certificate=None if strict else functools.partial(_decomposition, A))
 
 
 def _decomposition(A: Subject) -> Decomposition | None:
@@ -170,7 +170,7 @@ def exact_order(A: Subject, k: int) -> Finding:
     """Copositive of exact order k: the principal submatrices of order n - k are C0, none of order n - k + 1 is."""
     if k == 0:
         c0 = A.verdict("C0")
-        return Finding(c0.holds, lambda: c0.reason, c0.witness, c0.certificate)
+        return Finding(c0.holds, lambda: c0.reason, c0.witness, functools.partial(getattr, c0, "certificate"))
     for alpha in subsets(A.n):
         size = len(alpha)
         if size > A.n - k + 1:

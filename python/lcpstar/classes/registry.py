@@ -111,10 +111,10 @@ def evaluate(subject: Subject, symbol: str) -> Verdict:
         which.symbol,
         which.name,
         finding.witness,
-        finding.certificate,
         cost,
         subject.rows,
         finding.reason,
+        finding.certificate,
     )
 
 

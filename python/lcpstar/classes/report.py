@@ -6,6 +6,7 @@ import html
 import sys
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from functools import partial
 from typing import Any
 
 from ..errors import InternalError, OptionError
@@ -172,7 +173,7 @@ def _decide(subject: Subject, symbol: str) -> None:
     if too_large:
         which = find_class(symbol)
         reason = f"the search is offered up to n = {limit}"
-        subject.verdicts[symbol] = Verdict(None, symbol, which.name, None, None, Cost(0.0), subject.rows, reason)
+        subject.verdicts[symbol] = Verdict(None, symbol, which.name, None, Cost(0.0), subject.rows, reason, None)
         return
     subject.verdict(symbol)
 
@@ -182,12 +183,17 @@ def _concluded(subject: Subject, symbol: str) -> Verdict | None:
     found = conclude(_known(subject), symbol)
     if found is None:
         return None
-    answer, other, sentence = found
-    source = subject.verdicts[other]
-    sole = " give " not in sentence
-    implied = Implied(source, sentence)
-    witness, certificate = (None, implied if sole and source.certificate else None) if answer else (implied, None)
-    return Verdict(answer, symbol, find_class(symbol).name, witness, certificate, Cost(0.0), subject.rows, sentence)
+    answer, others, sentence = found
+    implied = Implied(tuple(subject.verdicts[other] for other in others), sentence)
+    name = find_class(symbol).name
+    if not answer:
+        return Verdict(False, symbol, name, implied, Cost(0.0), subject.rows, sentence, None)
+    return Verdict(True, symbol, name, None, Cost(0.0), subject.rows, sentence, partial(_carried, implied))
+
+
+def _carried(implied: Implied) -> Implied | None:
+    """The certificates of the smaller classes, if they have them."""
+    return implied if all(verdict.certificate is not None for verdict in implied.verdicts) else None
 
 
 def _close(subject: Subject, wanted: list[str]) -> None:

@@ -546,28 +546,28 @@ class All:
 
 @dataclass(frozen=True)
 class Implied:
-    """The witness or certificate of another class, with the inclusion that carries it over."""
+    """The witness or the certificates of other classes, with the inclusion that carries them over."""
 
-    verdict: Verdict
+    verdicts: tuple[Verdict, ...]
     inclusion: str
 
     def refutes(self, A: Rows) -> bool:
         """Check the verdict on the larger class."""
-        return self.verdict.check() is True
+        return all(verdict.check() is True for verdict in self.verdicts)
 
     def proves(self, A: Rows) -> bool:
-        """Check the verdict on the smaller class."""
-        return self.verdict.check() is True
+        """Check the verdicts on the smaller classes."""
+        return all(verdict.check() is True for verdict in self.verdicts)
 
     def sentence(self, A: Rows) -> str:
-        """The inclusion and the other class's reason."""
-        return f"{self.inclusion}; {self.verdict.reason}"
+        """The inclusion and the other reasons."""
+        return "; ".join([self.inclusion, *(verdict.reason for verdict in self.verdicts)])
 
 
 def origin(verdict: Verdict) -> Any:
     """The witness behind a chain of inclusions."""
     while isinstance(verdict.witness, Implied):
-        verdict = verdict.witness.verdict
+        verdict = verdict.witness.verdicts[0]
     return verdict.witness
 
 
