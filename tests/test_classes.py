@@ -136,7 +136,7 @@ def test_true_verdicts_survive_random_attacks():
     attacked = 0
     for A in random_matrices(60, seed=8):
         n, B = len(A), np.array(A)
-        holds = set(lcpstar.classify(A, ["E0", "E", "C0", "C", "CSU", "PSBD", "R0", "Q"]).holds)
+        holds = set(lcpstar.classify(A, ["E0", "E", "C0", "C", "CSU", "PSBD", "PM", "R0", "Q"]).holds)
         for _ in range(60):
             x = np.array([rng.choice([0, 0, 1, 2, 3, 5]) for _ in range(n)])
             y = np.array([rng.choice([-3, -1, 0, 1, 2]) for _ in range(n)])
@@ -147,6 +147,8 @@ def test_true_verdicts_survive_random_attacks():
                 assert "C0" not in holds or x @ w >= 0
                 assert "C" not in holds or x @ w > 0
                 assert "R0" not in holds or (w < 0).any() or x @ w != 0
+                u = np.array([rng.choice([0, 1, 2, 4]) for _ in range(n)])
+                assert "PM" not in holds or (u - x) @ w < 0 or (u - x) @ B @ u >= 0
             products = y * (B @ y)
             assert "CSU" not in holds or (products > 0).any() or not products.any()
             gradient = B.T @ y

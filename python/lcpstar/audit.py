@@ -6,6 +6,7 @@ says where the two disagree.
 
 from __future__ import annotations
 
+import itertools
 import time
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
@@ -245,6 +246,19 @@ def _solutions_of_the_numerical_example() -> bool:
     return found.finite and vertices == expected
 
 
+def _bounded_inside_the_cone() -> bool:
+    """For tE0s and q in the interior of pos(I, -A), q = w - Az with w, z > 0, no face of SOL(q, A) has a ray."""
+    for entries in itertools.product((-2, -1, 0, 1, 2), repeat=4):
+        A = (entries[:2], entries[2:])
+        if not check(A, "tE0s") or check(A, "R0"):
+            continue
+        for z, w in itertools.product(((1, 1), (1, 3), (3, 1)), repeat=2):
+            q = [b - a for a, b in zip(times(read_matrix(A), z), w, strict=True)]
+            if not solution_set(A, q).bounded:
+                return False
+    return True
+
+
 # (place, what the paper says, recomputation)
 EXAMPLES: tuple[tuple[str, str, Callable[[], bool]], ...] = (
     ("Ex. 1", "[[0,-5],[2,0]] is E0s", lambda: _classes([[0, -5], [2, 0]], "E0s")),
@@ -296,6 +310,11 @@ EXAMPLES: tuple[tuple[str, str, Callable[[], bool]], ...] = (
         ),
     ),
     ("Ex. 11", "the LCP has exactly three solutions (not one)", _solutions_of_the_numerical_example),
+    (
+        "Sec. 5 (F5)",
+        "tE0s: SOL(q, A) is bounded for q inside pos(I, -A) (the paper: in general it is not)",
+        _bounded_inside_the_cone,
+    ),
 )
 
 

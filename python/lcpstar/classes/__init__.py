@@ -51,10 +51,12 @@ from .quadratic import (
     is_pseudomonotone,
     is_strictly_copositive,
 )
-from .registry import ALIASES, CLASSES, MatrixClass, check
+from .registry import ALIASES, CLASSES, MatrixClass, check, list_in_order
 from .report import Classification, classify
 from .solution_set import Face, LocalReport, SolutionSet, solution_set
 from .verdict import Cost, Verdict
+
+list_in_order()
 
 __all__ = [
     "ALIASES",

@@ -23,7 +23,7 @@ INCLUSIONS: tuple[tuple[str, str, str], ...] = (
     ("RSU", "P0", "[CPV89]"),
     ("RSU", "Q0", "[CPV89]"),
     ("PM", "PSBD", "the pair of columns with opposite signs"),
-    ("PM", "P0", "[Gow90]"),
+    ("PM", "P0", "[Gow89]"),
     ("PM", "C0*", "take y = x + e_i"),
     ("C", "C0+", "the form has no zero"),
     ("C0+", "C0*", "(A + A')x = 0 and Ax >= 0"),

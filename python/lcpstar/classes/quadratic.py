@@ -39,7 +39,7 @@ def is_copositive(A: Subject) -> Finding:
     """x'Ax >= 0 for all x >= 0.
 
     With S = A + A': C0 for symmetric S is E0, so no S[alpha, alpha] may be nonsingular with S[alpha, alpha]^-1 e < 0
-    (see `is_semimonotone`; Hadeler 1983, Valiaho 1986). 2^n eliminations.
+    (see `is_semimonotone`; [Had83], [Val86]). 2^n eliminations.
     """
     return _copositive(A, strict=False)
 

@@ -123,7 +123,7 @@ def classify(
     --------
     >>> report = classify([[0, 1, 1], [2, 0, 2], [-2, -4, 0]])
     >>> report["tE0s"].holds, report["C0*"].holds, str(report["C0*"].witness.x)
-    (True, False, '(1, 0, 2)')
+    (True, False, '(1, 0, 1)')
     """
     if threads is not None and threads < 1:
         raise OptionError(f"threads must be at least 1, got {threads}")
