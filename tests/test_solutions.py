@@ -9,6 +9,7 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+from scipy.optimize import linprog
 
 import lcpstar
 
@@ -202,3 +203,40 @@ def test_float_vertices_are_the_rounded_fractions():
     assert len(exact) == 1
     for x, y in zip(exact[0].vertices[0], rounded[0].vertices[0], strict=True):
         assert math.isclose(float(x), y, rel_tol=1e-15, abs_tol=0.0)
+
+
+def inside(face, z):
+    """Whether z is a convex combination of the vertices plus a cone combination of the rays (one LP)."""
+    m, k = len(face.vertices), len(face.rays)
+    columns = np.vstack([face.vertices, face.rays]).T
+    weights = np.concatenate([np.ones(m), np.zeros(k)])
+    fit = linprog(np.zeros(m + k), A_eq=np.vstack([columns, weights]), b_eq=np.append(z, 1.0))
+    return fit.status == 0
+
+
+def test_every_point_of_every_degenerate_piece_is_in_some_face():
+    points = 0
+    for seed in range(25):
+        rng = np.random.default_rng(500 + seed)
+        n = 4
+        A, q = rng.integers(-1, 2, (n, n)).astype(float), rng.integers(-1, 1, n).astype(float)
+        faces = lcpstar.solutions(A, q)
+        for mask in range(2**n):
+            alpha = [i for i in range(n) if mask >> i & 1]
+            rest = [i for i in range(n) if i not in alpha]
+            bounds = [(0, 9.5) if i in alpha else (0, 0) for i in range(n)]
+            for _ in range(2):
+                found = linprog(
+                    rng.standard_normal(n),
+                    A_ub=-A[rest] if rest else None,
+                    b_ub=q[rest] if rest else None,
+                    A_eq=A[alpha] if alpha else None,
+                    b_eq=-q[alpha] if alpha else None,
+                    bounds=bounds,
+                )
+                if found.status == 0:
+                    points += 1
+                    assert any(inside(face, found.x) for face in faces), (seed, alpha, found.x)
+                else:
+                    assert found.status == 2  # the piece is empty
+    assert points > 60

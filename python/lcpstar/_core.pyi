@@ -61,6 +61,7 @@ def solve(
     max_iterations: int | None,
     time_limit: float | None,
     z0: Vector | None,
+    certify: str,
     options: MethodOptions | None,
 ) -> Solution: ...
 def ppt(a: Matrix, alpha: Sequence[int], q: Vector | None) -> tuple[Matrix, Vector]: ...

@@ -59,6 +59,10 @@ class Ray:
     d: Vector
 
 
+def _fractions(numerators: list[int], denominator: int) -> list[Fraction]:
+    return [Fraction(numerator, denominator) for numerator in numerators]
+
+
 _FIELDS = (
     "z",
     "w",

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from . import _core
 from ._core import Solution
 from .coerce import Matrix, Vector, as_matrix, as_vector
-from .errors import OptionError, OptionTypeError, UnknownNameError
+from .errors import OptionError, OptionTypeError
 from .options import OPTIONS, MethodOptions
 
 
@@ -72,8 +72,8 @@ def solve(
     >>> sol.success, sol.z.round(4).tolist()
     (True, [1.3333, 2.3333])
     """
-    if options is not None or max_iterations is not None or certify != "float":
-        _check(method, max_iterations, certify, options)
+    if options is not None or max_iterations is not None:
+        _check(method, max_iterations, options)
     return _core.solve(
         as_matrix("A", A),
         as_vector("q", q),
@@ -82,13 +82,12 @@ def solve(
         max_iterations,
         time_limit,
         None if z0 is None else as_vector("z0", z0),
+        certify,
         options,
     )
 
 
-def _check(method: str, max_iterations: int | None, certify: str, options: MethodOptions | None) -> None:
-    if certify != "float":
-        raise UnknownNameError(f"certify must be one of float, got {certify!r}")
+def _check(method: str, max_iterations: int | None, options: MethodOptions | None) -> None:
     if max_iterations is not None and max_iterations < 0:
         raise OptionError(f"max_iterations must be nonnegative, got {max_iterations}")
     expected = OPTIONS.get(method)

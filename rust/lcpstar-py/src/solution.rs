@@ -1,5 +1,6 @@
 //! `lcpstar.Solution`: frozen, arrays built on first use so that a call of `solve` costs no array nobody reads.
 
+use lcpstar::exact::dyadic::RationalVec;
 use lcpstar::{Certificate, Ray, Solution, Status};
 use numpy::PyArray1;
 use pyo3::prelude::*;
@@ -61,16 +62,35 @@ fn result_class<'py>(py: Python<'py>, name: &str, fields: &Bound<'py, PyDict>) -
 fn certificate_object(py: Python<'_>, certificate: &Certificate) -> PyResult<Py<PyAny>> {
     let fields = PyDict::new(py);
     match certificate {
-        Certificate::Solution { alpha } => {
+        Certificate::Solution { alpha, exact } => {
             fields.set_item("kind", "solution")?;
             fields.set_item("alpha", alpha.clone())?;
+            if let Some(z) = exact {
+                fields.set_item("exact", true)?;
+                fields.set_item("z", fractions(py, z)?)?;
+            }
         }
-        Certificate::Infeasible { y } => {
+        Certificate::Infeasible { exact: Some(y), .. } => {
+            fields.set_item("kind", "infeasible")?;
+            fields.set_item("exact", true)?;
+            fields.set_item("y", fractions(py, y)?)?;
+        }
+        Certificate::Infeasible { y, exact: None } => {
             fields.set_item("kind", "infeasible")?;
             fields.set_item("y", frozen_array(py, y)?)?;
         }
+        Certificate::Ray { z_hat } => {
+            fields.set_item("kind", "ray")?;
+            fields.set_item("exact", true)?;
+            fields.set_item("z", fractions(py, z_hat)?)?;
+        }
     }
     result_class(py, "Certificate", &fields)
+}
+
+/// A list of `fractions.Fraction`.
+fn fractions<'py>(py: Python<'py>, v: &RationalVec) -> PyResult<Bound<'py, PyAny>> {
+    py.import("lcpstar.result")?.call_method1("_fractions", (v.numerators.clone(), v.denominator.clone()))
 }
 
 fn ray_object(py: Python<'_>, ray: &Ray) -> PyResult<Py<PyAny>> {

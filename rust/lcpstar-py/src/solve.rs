@@ -1,6 +1,6 @@
 //! `solve` and `ppt`.
 
-use lcpstar::driver::{self, Method, Settings};
+use lcpstar::driver::{self, Certify, Method, Settings};
 use lcpstar::methods::{block_pivoting, lemke, lemke_howson};
 use lcpstar::{Control, Lcp, LcpError};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
@@ -60,7 +60,7 @@ fn method(py: Python<'_>, name: &str, options: Option<&Bound<'_, PyAny>>, n: usi
 
 /// Solves LCP(q, A); arguments already coerced by `lcpstar.solve`.
 #[pyfunction]
-#[pyo3(signature = (a, q, method_name, tol, max_iterations, time_limit, z0, options))]
+#[pyo3(signature = (a, q, method_name, tol, max_iterations, time_limit, z0, certify, options))]
 pub fn solve(
     py: Python<'_>,
     a: PyReadonlyArray2<'_, f64>,
@@ -70,12 +70,14 @@ pub fn solve(
     max_iterations: Option<usize>,
     time_limit: Option<f64>,
     z0: Option<PyReadonlyArray1<'_, f64>>,
+    certify: &str,
     options: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<PySolution> {
     let start = Instant::now();
     let lcp = to_lcp(py, &a, &q)?;
     let method = method(py, method_name, options, lcp.n())?;
-    let settings = Settings { method, tol, z0: z0.as_ref().map(vector) };
+    let certify = Certify::from_name(certify).map_err(|e| to_python(py, &e))?;
+    let settings = Settings { method, tol, z0: z0.as_ref().map(vector), certify };
     let signals = Signals::new();
     let control = Control {
         max_iterations,

@@ -27,7 +27,7 @@ pub fn certify(problem: &Equilibrated<'_>, candidate: Candidate, method: &'stati
     let (status, certificate) = if judged.solves {
         (Status::Solved, None)
     } else if let Some(y) = farkas_vector(problem, candidate.farkas.as_deref(), candidate.ray.as_ref()) {
-        (Status::Infeasible, Some(Certificate::Infeasible { y }))
+        (Status::Infeasible, Some(Certificate::Infeasible { y, exact: None }))
     } else {
         (unsolved(candidate.termination), None)
     };
@@ -36,7 +36,7 @@ pub fn certify(problem: &Equilibrated<'_>, candidate: Candidate, method: &'stati
         _ => (0..n).filter(|&i| judged.z[i] > 0.0).collect(),
     };
     let certificate = match status {
-        Status::Solved => Some(Certificate::Solution { alpha: alpha.clone() }),
+        Status::Solved => Some(Certificate::Solution { alpha: alpha.clone(), exact: None }),
         _ => certificate,
     };
     let message = explain(status, candidate.termination, judged.residual, tol);

@@ -1,6 +1,7 @@
 //! One problem in, one verified solution out: equilibrate, run a method or the portfolio, certify.
 
 mod portfolio;
+mod prove;
 
 use crate::certify::certify;
 use crate::control::Control;
@@ -65,11 +66,37 @@ pub struct Settings {
     pub tol: f64,
     /// A guess: only its support is used by pivoting methods.
     pub z0: Option<Vec<f64>>,
+    /// Whether the answer is to be proved.
+    pub certify: Certify,
+}
+
+/// How an answer is certified.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Certify {
+    /// Recomputed in twice the working precision on the caller's numbers.
+    #[default]
+    Float,
+    /// Proved in rational arithmetic on the caller's binary numbers.
+    Exact,
+}
+
+impl Certify {
+    /// `"float"` or `"exact"`.
+    ///
+    /// # Errors
+    /// `UnknownName`.
+    pub fn from_name(name: &str) -> Result<Self> {
+        match name {
+            "float" => Ok(Self::Float),
+            "exact" => Ok(Self::Exact),
+            _ => Err(LcpError::UnknownName { name: "certify", value: name.to_owned(), choices: &["float", "exact"] }),
+        }
+    }
 }
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { method: Method::Auto, tol: 1e-9, z0: None }
+        Self { method: Method::Auto, tol: 1e-9, z0: None, certify: Certify::Float }
     }
 }
 
@@ -80,35 +107,41 @@ impl Default for Settings {
 pub fn solve(lcp: &Lcp, settings: &Settings, control: &Control<'_>) -> Result<Solution> {
     check(lcp, settings)?;
     let problem = Equilibrated::new(lcp);
-    if let Some(solution) = trivial(&problem, settings.tol) {
-        return Ok(solution);
-    }
-    if let Some(solution) = warm(&problem, settings) {
-        return Ok(solution);
-    }
+    let solution = match trivial(&problem, settings.tol).or_else(|| warm(&problem, settings)) {
+        Some(solution) => solution,
+        None => by_method(&problem, settings, control)?,
+    };
+    Ok(match settings.certify {
+        Certify::Float => solution,
+        Certify::Exact => prove::prove(&problem, solution, settings.tol, control),
+    })
+}
+
+fn by_method(problem: &Equilibrated<'_>, settings: &Settings, control: &Control<'_>) -> Result<Solution> {
+    let lcp = problem.original;
     let scaled = &problem.lcp;
     Ok(match &settings.method {
-        Method::Auto => portfolio::auto(&problem, settings, control),
+        Method::Auto => portfolio::auto(problem, settings, control),
         Method::Lemke { settings: options, restarts, seed } => match &options.d {
             Some(d) => {
-                let options = lemke::Settings { d: Some(covering_vector(&problem, d)) };
-                certify(&problem, lemke::lemke::<f64>(scaled, &options, control), "lemke", settings.tol)
+                let options = lemke::Settings { d: Some(covering_vector(problem, d)) };
+                certify(problem, lemke::lemke::<f64>(scaled, &options, control), "lemke", settings.tol)
             }
-            None => portfolio::lemke(&problem, *restarts, *seed, settings.tol, control),
+            None => portfolio::lemke(problem, *restarts, *seed, settings.tol, control),
         },
         Method::LemkeHowson(options) => {
-            certify(&problem, lemke_howson::lemke_howson(scaled, options, control), "lemke_howson", settings.tol)
+            certify(problem, lemke_howson::lemke_howson(scaled, options, control), "lemke_howson", settings.tol)
         }
         Method::BlockPivoting(options) => {
             let mut options = options.clone();
             options.alpha = options.alpha.or_else(|| settings.z0.as_deref().map(support));
-            certify(&problem, block_pivoting::block_pivoting(scaled, &options, control), "block_pivoting", settings.tol)
+            certify(problem, block_pivoting::block_pivoting(scaled, &options, control), "block_pivoting", settings.tol)
         }
         Method::PotentialReduction(options) => {
             let stop = potential_reduction::Stop::Residual(settings.tol);
             let options = potential_reduction::Settings { stop, ..options.clone() };
             let z0 = settings.z0.as_deref().filter(|z0| potential_reduction::is_strictly_feasible(lcp, z0));
-            reduce_potential(&problem, z0, &options, control, settings.tol, |_| ())?
+            reduce_potential(problem, z0, &options, control, settings.tol, |_| ())?
         }
     })
 }

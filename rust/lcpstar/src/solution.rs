@@ -1,5 +1,6 @@
 //! What a method hands to `certify` ([`Candidate`]) and what the caller gets ([`Solution`]).
 
+use crate::exact::dyadic::RationalVec;
 use crate::status::{Status, Termination};
 
 /// A secondary ray of Lemke's method: `w + t w_hat = A (z + t z_hat) + q + d (z0 + t z0_hat)` stays
@@ -52,11 +53,20 @@ pub enum Certificate {
     Solution {
         /// Indices with `w_i = 0` in the basis.
         alpha: Vec<usize>,
+        /// The solution in exact arithmetic, when it was proved there.
+        exact: Option<RationalVec>,
     },
     /// `y >= 0, A'y <= 0, q'y < 0`: no `z >= 0` has `A z + q >= 0`.
     Infeasible {
-        /// The Farkas vector, `max|y| = 1` up to a power of two.
+        /// The Farkas vector.
         y: Vec<f64>,
+        /// The vector in exact arithmetic, when it was proved there.
+        exact: Option<RationalVec>,
+    },
+    /// A secondary ray, proved in exact arithmetic: no claim about the problem.
+    Ray {
+        /// Direction of `z`.
+        z_hat: RationalVec,
     },
 }
 

@@ -7,10 +7,11 @@ use super::{Method, Settings, support};
 use crate::certify::certify;
 use crate::control::Control;
 use crate::linalg::dd::Dd;
-use crate::methods::{block_pivoting, lemke, lemke_howson};
+use crate::methods::{block_pivoting, feasibility, lemke, lemke_howson};
+use crate::problem::Lcp;
 use crate::scaling::Equilibrated;
 use crate::solution::{Candidate, Solution};
-use crate::status::Status;
+use crate::status::{Status, Termination};
 
 /// Order from which block pivoting is tried first: below it a few Lemke pivots cost less than one factorisation.
 const BLOCK_PIVOTING_FROM: usize = 24;
@@ -119,6 +120,16 @@ pub(super) fn auto(problem: &Equilibrated<'_>, settings: &Settings, control: &Co
 /// Factorisations granted to block pivoting before the portfolio moves on.
 const BLOCK_PIVOTING_BUDGET: usize = 25;
 
+/// One linear programme decides whether FEA(q, A) is empty, whatever the class of A: the ray of Lemke's method need not.
+fn feasible_point(lcp: &Lcp, control: &Control<'_>) -> Candidate {
+    let found = feasibility::feasibility(lcp, &control.with_max_iterations(None));
+    let stopped = Candidate::point(vec![0.0; lcp.n()], Termination::SecondaryRay, found.iterations);
+    match found.verdict {
+        feasibility::Verdict::Infeasible(y) => Candidate { farkas: Some(y), ..stopped },
+        feasibility::Verdict::Feasible(_) | feasibility::Verdict::Stopped(_) => stopped,
+    }
+}
+
 /// `true` when one of them gave the final answer.
 fn lemke_members(race: &mut Race<'_>, restarts: usize, seed: u64) -> bool {
     let lcp = &race.problem.lcp;
@@ -135,8 +146,15 @@ fn lemke_members(race: &mut Race<'_>, restarts: usize, seed: u64) -> bool {
         if race.run("lemke_random_d", |control| lemke::lemke::<f64>(lcp, &options, control)) {
             return true;
         }
-        let in_double_double = restart == 0 && n <= DOUBLE_DOUBLE_UP_TO;
-        if in_double_double && race.run("lemke_double_double", |control| lemke::lemke::<Dd>(lcp, &plain, control)) {
+        if restart > 0 {
+            continue;
+        }
+        if n <= DOUBLE_DOUBLE_UP_TO
+            && race.run("lemke_double_double", |control| lemke::lemke::<Dd>(lcp, &plain, control))
+        {
+            return true;
+        }
+        if race.run("feasibility", |control| feasible_point(lcp, control)) {
             return true;
         }
     }

@@ -165,6 +165,14 @@ impl RationalVec {
         }
     }
 
+    /// Entry j times `2^exponents[j]`: back from an equilibrated problem.
+    #[must_use]
+    pub fn times_powers_of_two(&self, exponents: &[i32]) -> Self {
+        let shifted = self.numerators.iter().zip(exponents);
+        let entries = shifted.map(|(x, &e)| Scaled { value: x.clone(), exponent: i64::from(e) }).collect();
+        Self::from_scaled(entries, self.denominator.clone())
+    }
+
     /// Entries.
     #[must_use]
     pub fn len(&self) -> usize {
@@ -249,6 +257,12 @@ mod tests {
         for (p, q) in [(1, 3), (-2, 3), (10, 7), (1_000_003, 17)] {
             assert_eq!(ratio_to_f64(&BigInt::from(p), &BigInt::from(q)), f64::from(p) / f64::from(q));
         }
+    }
+
+    #[test]
+    fn powers_of_two_are_carried_exactly() {
+        let v = RationalVec { numerators: vec![BigInt::from(1), BigInt::from(-2)], denominator: BigInt::from(3) };
+        assert_eq!(v.times_powers_of_two(&[3, -1]).to_f64(), [8.0 / 3.0, -1.0 / 3.0]);
     }
 
     #[test]

@@ -7,6 +7,7 @@
 //! A candidate, judged by `certify` or proved by [`repair`](crate::exact::repair::feasibility) from the last basis.
 
 use crate::control::Control;
+use crate::exact::repair::costs;
 use crate::linalg::backend::DenseLu;
 use crate::linalg::kernels::axpy;
 use crate::problem::Lcp;
@@ -88,11 +89,7 @@ struct Simplex<'a> {
 impl<'a> Simplex<'a> {
     fn new(lcp: &'a Lcp) -> Self {
         let n = lcp.n();
-        let cost = (0..n as u64).map(|j| {
-            let hash = (j + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ 0x5851_f42d_4c95_7f2d;
-            1.0 + (hash.wrapping_mul(0xd129_0d3b_3b2f_a6ad) >> 11) as f64 / (1u64 << 53) as f64
-        });
-        let cost: Vec<f64> = cost.collect();
+        let cost = costs(n);
         let mut t = Vec::with_capacity((n + 1) * (n + 1));
         for i in 0..n {
             t.extend_from_slice(lcp.row(i));

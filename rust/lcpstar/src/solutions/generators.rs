@@ -110,11 +110,12 @@ impl Cone<'_> {
             }
         }
         let mut born = Vec::new();
+        let mut edges = Edges::new(&self.generators, self.pairs(), self.seen.len() + 2);
         for &(k, s) in &above {
             stopped(control)?;
             for &(l, r) in &below {
-                if self.adjacent(k, l) {
-                    born.push(self.combine((k, s), (l, r))?);
+                if edges.contain(k, l) {
+                    born.push(self.combine((k, s), (l, r)));
                 }
             }
         }
@@ -138,23 +139,8 @@ impl Cone<'_> {
         (1u128 << self.lcp.n()) - 1
     }
 
-    /// Complementary to each other on the rows seen, and spanning an edge: no third generator is supported in the
-    /// union of their supports.
-    fn adjacent(&self, k: usize, l: usize) -> bool {
-        let (g, h) = (&self.generators[k], &self.generators[l]);
-        let (z, w) = (g.z_support | h.z_support, g.w_support | h.w_support);
-        if z & w & self.pairs() != 0 || (z.count_ones() + w.count_ones()) as usize > self.seen.len() + 2 {
-            return false;
-        }
-        !self
-            .generators
-            .iter()
-            .enumerate()
-            .any(|(m, other)| (other.z_support & !z) | (other.w_support & !w) == 0 && m != k && m != l)
-    }
-
     /// The generator on the hyperplane between one above and one below.
-    fn combine(&self, (k, s): (usize, RowValue), (l, r): (usize, RowValue)) -> Result<Generator, Termination> {
+    fn combine(&self, (k, s): (usize, RowValue), (l, r): (usize, RowValue)) -> Generator {
         let (g, h) = (&self.generators[k], &self.generators[l]);
         let (up, down) = (-r.value, s.value);
         let mut entries: Vec<f64> = g.entries.iter().zip(&h.entries).map(|(x, y)| up * x + down * y).collect();
@@ -167,7 +153,7 @@ impl Cone<'_> {
         let worse = (g.relative_error + r.relative_error).max(h.relative_error + s.relative_error);
         let relative_error = if sound && largest.is_normal() { worse + 8.0 * f64::EPSILON } else { f64::INFINITY };
         let w_support = g.w_support | h.w_support;
-        Ok(Generator { entries, relative_error, z_support, w_support, exact: OnceCell::new() })
+        Generator { entries, relative_error, z_support, w_support, exact: OnceCell::new() }
     }
 
     fn row_value(&mut self, row: usize, k: usize) -> Result<RowValue, Termination> {
@@ -182,6 +168,46 @@ impl Cone<'_> {
         exact_vector(self.lcp, &self.seen, g)?;
         refresh(g);
         Ok(exact_row(self.lcp, row, g))
+    }
+}
+
+/// The supports of all generators, packed for the search of edges.
+struct Edges {
+    supports: Vec<(u128, u128)>,
+    pairs: u128,
+    largest_union: u32,
+    /// The generator that refuted the last pair refutes the next one more often than any other.
+    last: usize,
+}
+
+impl Edges {
+    fn new(generators: &[Generator], pairs: u128, largest_union: usize) -> Self {
+        let supports = generators.iter().map(|g| (g.z_support, g.w_support)).collect();
+        Self { supports, pairs, largest_union: largest_union as u32, last: 0 }
+    }
+
+    /// Complementary to each other on the rows seen, and spanning an edge: no third generator is supported in the
+    /// union of their supports.
+    fn contain(&mut self, k: usize, l: usize) -> bool {
+        let (g, h) = (self.supports[k], self.supports[l]);
+        let (z, w) = (g.0 | h.0, g.1 | h.1);
+        if z & w & self.pairs != 0 || z.count_ones() + w.count_ones() > self.largest_union {
+            return false;
+        }
+        let within = |m: usize| {
+            let (other_z, other_w) = self.supports[m];
+            (other_z & !z) | (other_w & !w) == 0 && m != k && m != l
+        };
+        if within(self.last) {
+            return false;
+        }
+        match (0..self.supports.len()).find(|&m| within(m)) {
+            Some(m) => {
+                self.last = m;
+                false
+            }
+            None => true,
+        }
     }
 }
 
