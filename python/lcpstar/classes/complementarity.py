@@ -9,24 +9,19 @@ from typing import Any
 from .certificate import MinkowskiFactor, OrthantTrees
 from .exact import pivot_transform, times
 from .quadratic import every_transform, in_submatrix, star
+from .regions import AllShadowed, Disconnected, Infeasible, IsolatedSolution, Tree, Unsolvable
 from .registry import predicate
 from .subject import Subject
 from .verdict import Finding, Verdict
 from .witness import (
     AllDecrease,
-    AllShadowed,
-    Disconnected,
     EquationSolution,
-    Infeasible,
     InSubmatrix,
     InTransform,
     InTranspose,
-    IsolatedSolution,
     Member,
     NoDiagonals,
     SignReversed,
-    Tree,
-    Unsolvable,
     ZeroSolution,
     origin,
 )

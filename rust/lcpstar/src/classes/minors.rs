@@ -64,19 +64,6 @@ pub fn first_violation(a: &IMatrix, rule: Rule, proper: bool, budget: &Budget<'_
     Recursion::new(a, rule, proper, budget).run()
 }
 
-/// All principal minor signs for n <= 20, indexed by mask (the empty minor is 1).
-///
-/// # Errors
-/// `Stopped` by the budget.
-pub fn signs(a: &IMatrix, budget: &Budget<'_>) -> Search<Vec<i32>> {
-    let mut all = vec![1; 1 << a.rows()];
-    for alpha in by_size(a.rows()) {
-        budget.poll()?;
-        all[alpha as usize] = determinant(&a.principal(&indices(alpha))).sign();
-    }
-    Ok(all)
-}
-
 /// Unit roundoff with room to spare.
 const UNIT: f64 = f64::EPSILON;
 /// Covers underflow in the error bound.
@@ -282,6 +269,15 @@ fn scaled_doubles(a: &IMatrix) -> (bool, Vec<f64>) {
 mod tests {
     use super::*;
 
+    /// All principal minor signs, indexed by mask; the empty minor is 1.
+    fn signs(a: &IMatrix) -> Vec<i32> {
+        let mut all = vec![1; 1 << a.rows()];
+        for alpha in by_size(a.rows()) {
+            all[alpha as usize] = determinant(&a.principal(&indices(alpha))).sign();
+        }
+        all
+    }
+
     fn random(n: usize, seed: &mut u64, spread: i64, diagonal: i64) -> IMatrix {
         IMatrix::from_fn(n, n, |i, j| {
             *seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
@@ -298,7 +294,7 @@ mod tests {
         for round in 0..600 {
             let n = 2 + round % 5;
             let a = random(n, &mut seed, 2, (round % 3) as i64);
-            let signs = signs(&a, &budget).expect("no limit");
+            let signs = signs(&a);
             for rule in [Rule::Positive, Rule::NonNegative, Rule::Negative, Rule::NonPositive] {
                 for proper in [false, true] {
                     let found = Recursion::new(&a, rule, proper, &budget).run().expect("no limit");
