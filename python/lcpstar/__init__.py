@@ -58,7 +58,7 @@ from .classes import (
 from .errors import LCPError
 from .explore import explore
 from .interior import potential_reduction
-from .options import BlockPivotingOptions, LemkeHowsonOptions, LemkeOptions, PotentialReductionOptions
+from .options import BilinearOptions, BlockPivotingOptions, LemkeHowsonOptions, LemkeOptions, PotentialReductionOptions
 from .result import Certificate, Ray, Status
 from .solutions import Face, solutions
 from .solve import ppt, solve
@@ -78,6 +78,7 @@ __all__ = [
     "Ray",
     "LemkeOptions",
     "LemkeHowsonOptions",
+    "BilinearOptions",
     "BlockPivotingOptions",
     "PotentialReductionOptions",
     "classes",

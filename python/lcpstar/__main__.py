@@ -12,7 +12,7 @@ from .errors import FileFormatError, LCPError
 from .files import read_problem
 from .solve import solve
 
-METHODS = ("auto", "lemke", "lemke_howson", "block_pivoting", "potential_reduction")
+METHODS = ("auto", "lemke", "lemke_howson", "block_pivoting", "bilinear", "potential_reduction")
 
 
 def main(argv: list[str] | None = None) -> int:

@@ -36,6 +36,14 @@ class LemkeHowsonOptions:
 
 
 @dataclass(frozen=True)
+class BilinearOptions:
+    """Options of `method="bilinear"`: random `starts` (default 100) after the first, and their `seed` (default 0)."""
+
+    starts: int | None = None
+    seed: int | None = None
+
+
+@dataclass(frozen=True)
 class BlockPivotingOptions:
     """Options of `method="block_pivoting"`.
 
@@ -68,12 +76,13 @@ class PotentialReductionOptions:
             raise OptionError(f"min_halvings must be nonnegative, got {self.min_halvings}")
 
 
-MethodOptions = LemkeOptions | LemkeHowsonOptions | BlockPivotingOptions | PotentialReductionOptions
+MethodOptions = LemkeOptions | LemkeHowsonOptions | BilinearOptions | BlockPivotingOptions | PotentialReductionOptions
 
 #: The options class of each method that has one.
 OPTIONS: dict[str, type[MethodOptions]] = {
     "lemke": LemkeOptions,
     "lemke_howson": LemkeHowsonOptions,
+    "bilinear": BilinearOptions,
     "block_pivoting": BlockPivotingOptions,
     "potential_reduction": PotentialReductionOptions,
 }

@@ -1,7 +1,7 @@
 //! `solve` and `ppt`.
 
 use lcpstar::driver::{self, Certify, Method, Settings};
-use lcpstar::methods::{block_pivoting, lemke, lemke_howson};
+use lcpstar::methods::{bilinear, block_pivoting, lemke, lemke_howson};
 use lcpstar::{Control, Lcp, LcpError};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
@@ -23,6 +23,13 @@ struct LemkeOptions<'py> {
 #[derive(FromPyObject)]
 struct LemkeHowsonOptions {
     label: Option<usize>,
+}
+
+/// Attributes of `lcpstar.BilinearOptions`.
+#[derive(FromPyObject)]
+struct BilinearOptions {
+    starts: Option<usize>,
+    seed: Option<u64>,
 }
 
 /// Attributes of `lcpstar.BlockPivotingOptions`.
@@ -47,6 +54,11 @@ fn method(py: Python<'_>, name: &str, options: Option<&Bound<'_, PyAny>>, n: usi
         Method::LemkeHowson(lemke_howson::Settings { label }) => {
             let given: LemkeHowsonOptions = options.extract()?;
             *label = given.label.unwrap_or(*label);
+        }
+        Method::Bilinear(bilinear::Settings { starts, seed }) => {
+            let given: BilinearOptions = options.extract()?;
+            *starts = given.starts.unwrap_or(*starts);
+            *seed = given.seed.unwrap_or(*seed);
         }
         Method::BlockPivoting(block_pivoting::Settings { patience, alpha }) => {
             let given: BlockPivotingOptions = options.extract()?;

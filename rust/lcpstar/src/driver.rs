@@ -6,7 +6,7 @@ mod prove;
 use crate::certify::certify;
 use crate::control::Control;
 use crate::error::{LcpError, Result};
-use crate::methods::{block_pivoting, lemke, lemke_howson, potential_reduction};
+use crate::methods::{bilinear, block_pivoting, lemke, lemke_howson, potential_reduction};
 use crate::problem::{Lcp, check_finite};
 use crate::scaling::{Equilibrated, exponent, times_power_of_two};
 use crate::solution::{Candidate, Solution};
@@ -27,6 +27,8 @@ pub enum Method {
     },
     /// The Lemke-Howson method for bimatrix structure.
     LemkeHowson(lemke_howson::Settings),
+    /// Successive linear programmes on the concave formulation, for any matrix.
+    Bilinear(bilinear::Settings),
     /// Block principal pivoting for P-matrices.
     BlockPivoting(block_pivoting::Settings),
     /// The paper's method; its stopping rule is replaced by one that gives `residual <= tol`.
@@ -39,7 +41,7 @@ pub const DEFAULT_RESTARTS: usize = 6;
 impl Method {
     /// Names accepted by [`Method::from_name`].
     pub const NAMES: &'static [&'static str] =
-        &["auto", "lemke", "lemke_howson", "block_pivoting", "potential_reduction"];
+        &["auto", "lemke", "lemke_howson", "block_pivoting", "bilinear", "potential_reduction"];
 
     /// The method of that name with its default options.
     ///
@@ -50,6 +52,7 @@ impl Method {
             "auto" => Ok(Self::Auto),
             "lemke" => Ok(Self::Lemke { settings: lemke::Settings::default(), restarts: DEFAULT_RESTARTS, seed: 0 }),
             "lemke_howson" => Ok(Self::LemkeHowson(lemke_howson::Settings::default())),
+            "bilinear" => Ok(Self::Bilinear(bilinear::Settings::default())),
             "block_pivoting" => Ok(Self::BlockPivoting(block_pivoting::Settings::default())),
             "potential_reduction" => Ok(Self::PotentialReduction(potential_reduction::Settings::default())),
             _ => Err(LcpError::UnknownName { name: "method", value: name.to_owned(), choices: Self::NAMES }),
@@ -131,6 +134,9 @@ fn by_method(problem: &Equilibrated<'_>, settings: &Settings, control: &Control<
         },
         Method::LemkeHowson(options) => {
             certify(problem, lemke_howson::lemke_howson(scaled, options, control), "lemke_howson", settings.tol)
+        }
+        Method::Bilinear(options) => {
+            certify(problem, bilinear::bilinear(scaled, options, control), "bilinear", settings.tol)
         }
         Method::BlockPivoting(options) => {
             let mut options = options.clone();
@@ -234,13 +240,17 @@ fn trivial(problem: &Equilibrated<'_>, tol: f64) -> Option<Solution> {
     })
 }
 
-/// The support of `z0` is tried as it is: right, it costs one factorisation and no pivot.
+/// The support of `z0`, then `z0` itself, is tried as it is: right, it costs one factorisation and no pivot.
 fn warm(problem: &Equilibrated<'_>, settings: &Settings) -> Option<Solution> {
-    let alpha = support(settings.z0.as_deref()?);
-    let z = crate::pivoting::basis::basic_point(&problem.lcp, &alpha)?;
-    let candidate = Candidate { alpha: Some(alpha), ..Candidate::point(z, crate::Termination::ComplementaryBasis, 0) };
-    let solution = certify(problem, candidate, "warm_start", settings.tol);
-    (solution.status == crate::Status::Solved).then_some(solution)
+    let z0 = settings.z0.as_deref()?;
+    let alpha = support(z0);
+    let basic = crate::pivoting::basis::basic_point(&problem.lcp, &alpha).map(|z| (z, Some(alpha)));
+    let given = Some((problem.scaling.z_from_caller(z0), None));
+    [basic, given].into_iter().flatten().find_map(|(z, alpha)| {
+        let candidate = Candidate { alpha, ..Candidate::point(z, crate::Termination::ComplementaryBasis, 0) };
+        let solution = certify(problem, candidate, "warm_start", settings.tol);
+        (solution.status == crate::Status::Solved).then_some(solution)
+    })
 }
 
 /// The caller's covering vector on the equilibrated problem, scaled to a maximum near 1: a common factor only changes

@@ -3,11 +3,11 @@
 //! Deterministic; the first member whose point is certified (solved, or infeasible with a checked Farkas vector) answers
 //! and is named in the result. A member that fails costs its pivot budget, never the answer.
 
-use super::{Method, Settings, support};
+use super::{Settings, support};
 use crate::certify::certify;
 use crate::control::Control;
 use crate::linalg::dd::Dd;
-use crate::methods::{block_pivoting, feasibility, lemke, lemke_howson};
+use crate::methods::{bilinear, block_pivoting, feasibility, lemke, lemke_howson};
 use crate::problem::Lcp;
 use crate::scaling::Equilibrated;
 use crate::solution::{Candidate, Solution};
@@ -111,9 +111,11 @@ pub(super) fn auto(problem: &Equilibrated<'_>, settings: &Settings, control: &Co
             }
         }
     }
-    if let Method::Auto = settings.method {
-        lemke_members(&mut race, super::DEFAULT_RESTARTS, 0);
+    if lemke_members(&mut race, super::DEFAULT_RESTARTS, 0) {
+        return race.finish();
     }
+    let options = bilinear::Settings::default();
+    race.run("bilinear", |control| bilinear::bilinear(lcp, &options, control));
     race.finish()
 }
 

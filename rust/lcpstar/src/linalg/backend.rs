@@ -9,7 +9,7 @@ mod gram;
 pub use gram::{GramCholesky, StackedQr};
 
 use super::kernels::{dot_compensated, max_abs};
-use faer::linalg::solvers::{PartialPivLu, Solve};
+use faer::linalg::solvers::{PartialPivLu, Solve, SolveLstsq};
 use nalgebra::{DMatrix, DVector, Dyn, LU};
 
 /// Order from which faer is the faster of the two.
@@ -196,6 +196,16 @@ fn ratio(r: f64, m: f64) -> f64 {
 
 fn is_pivot(x: f64) -> bool {
     x != 0.0 && x.is_finite()
+}
+
+/// `argmin |C x - b|` for a row-major `m x n` matrix C of full column rank, `m >= n`; column-pivoted QR. O(m n^2).
+#[must_use]
+pub fn least_squares(n: usize, c: &[f64], b: &[f64]) -> Vec<f64> {
+    let m = b.len();
+    debug_assert!(c.len() == m * n && m >= n);
+    let qr = faer::linalg::solvers::ColPivQr::new(faer::MatRef::from_row_major_slice(c, m, n));
+    let x = qr.solve_lstsq(faer::Mat::from_fn(m, 1, |i, _| b[i]));
+    (0..n).map(|j| x[(j, 0)]).collect()
 }
 
 /// The numerical rank of a row-major matrix of order `n`: complete pivoting, pivots above `n EPS` of the largest.

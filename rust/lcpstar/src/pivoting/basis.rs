@@ -1,6 +1,6 @@
 //! From a complementary basis to its point: a fresh factorisation of the original numbers.
 
-use crate::linalg::backend::DenseLu;
+use crate::linalg::backend::{DenseLu, least_squares};
 use crate::problem::Lcp;
 
 /// `A[alpha, alpha]`, row-major.
@@ -26,4 +26,21 @@ pub fn basic_point(lcp: &Lcp, alpha: &[usize]) -> Option<Vec<f64>> {
         z[i] = x;
     }
     Some(z)
+}
+
+/// `z` with `z_alpha` the least-squares solution of `A[tight, alpha] z_alpha = -q_tight`, zero elsewhere: the point of a
+/// degenerate solution whose block `A[alpha, alpha]` is singular, fixed by further rows with `w_i = 0`.
+/// O(|tight| |alpha|^2). `None` when there are fewer rows than unknowns.
+#[must_use]
+pub fn tight_point(lcp: &Lcp, alpha: &[usize], tight: &[usize]) -> Option<Vec<f64>> {
+    if tight.len() < alpha.len() || alpha.is_empty() {
+        return None;
+    }
+    let rows: Vec<f64> = tight.iter().flat_map(|&i| alpha.iter().map(move |&j| lcp.row(i)[j])).collect();
+    let rhs: Vec<f64> = tight.iter().map(|&i| -lcp.q()[i]).collect();
+    let mut z = vec![0.0; lcp.n()];
+    for (&i, x) in alpha.iter().zip(least_squares(alpha.len(), &rows, &rhs)) {
+        z[i] = x.max(0.0);
+    }
+    z.iter().all(|x| x.is_finite()).then_some(z)
 }
