@@ -142,7 +142,7 @@ def explore(
     --------
     >>> found = explore("tE0s => P0", n=2)
     >>> found.failures > 0, [[int(x) for x in row] for row in found.counterexample]
-    (True, [[0, 1], [-1, 0]])
+    (True, [[1, 1], [2, 1]])
     """
     start = time.perf_counter()
     done = _begin(claim, n, entries, samples, seed, resume)

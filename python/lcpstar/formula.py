@@ -34,7 +34,7 @@ _TOKEN = re.compile(
     | (?P<symbol>C0f?\(\d+\)|(?:{_SYMBOLS})(?![\w*+]))
     | (?P<number>[+-]?\d+(?:/\d+)?)
     | (?P<mark>=>|<=|>=|==|!=|<|>|&|\||!|\(|\)|\[|\]|,)
-    | (?P<word>[A-Za-z]+)
+    | (?P<word>[A-Za-z]\w*)
     )""",
     re.VERBOSE,
 )

@@ -1,5 +1,6 @@
 """Matrix classes of complementarity theory: exact verdicts with witnesses that can be checked by hand."""
 
+from .cli import add_classify_parser, run_classify
 from .complementarity import (
     is_almost_strictly_semimonotone,
     is_column_sufficient,
@@ -50,19 +51,72 @@ from .quadratic import (
     is_pseudomonotone,
     is_strictly_copositive,
 )
-from .registry import ALIASES, CLASSES, MatrixClass, check
+from .registry import ALIASES, CLASSES, MatrixClass, check, list_in_order
 from .report import Classification, classify
 from .solution_set import Face, LocalReport, SolutionSet, solution_set
 from .verdict import Cost, Verdict
+
+list_in_order()
 
 __all__ = [
     "ALIASES",
     "CLASSES",
     "Classification",
     "Cost",
+    "Face",
+    "Game",
+    "LocalReport",
     "MatrixClass",
+    "SolutionSet",
     "Verdict",
+    "add_classify_parser",
     "check",
     "classify",
-    *(name for name in dir() if name.startswith("is_")),
+    "game",
+    "game_value",
+    "run_classify",
+    "solution_set",
+    "is_almost_copositive",
+    "is_almost_fully_copositive",
+    "is_almost_n",
+    "is_almost_n0",
+    "is_almost_p",
+    "is_almost_p0",
+    "is_almost_strictly_semimonotone",
+    "is_column_sufficient",
+    "is_completely_q",
+    "is_completely_q0",
+    "is_completely_semimonotone_star",
+    "is_completely_tilde_semimonotone_star",
+    "is_connected",
+    "is_copositive",
+    "is_copositive_plus",
+    "is_copositive_star",
+    "is_fully_copositive",
+    "is_fully_semimonotone",
+    "is_k0",
+    "is_l",
+    "is_l2",
+    "is_n",
+    "is_n0",
+    "is_p",
+    "is_p0",
+    "is_plus_plus",
+    "is_positive_definite",
+    "is_positive_semidefinite",
+    "is_positive_subdefinite",
+    "is_pseudomonotone",
+    "is_q",
+    "is_q0",
+    "is_qb",
+    "is_r0",
+    "is_regular",
+    "is_row_sufficient",
+    "is_semimonotone",
+    "is_semimonotone_star",
+    "is_strictly_copositive",
+    "is_strictly_semimonotone",
+    "is_sufficient",
+    "is_tilde_semimonotone_star",
+    "is_z",
 ]

@@ -1,4 +1,4 @@
-"""Certificates of membership, where a compact one exists; checked like witnesses, in `Fraction` and without the core."""
+"""Certificates of membership, where a compact one exists; checked like witnesses, without the core."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from .exact import Rows, Vector, determinant, dot, principal, solve, subsets, times, transpose
-from .witness import Tree, cone_columns
+from .regions import Tree, cone_columns
 
 
 @dataclass(frozen=True)

@@ -3,36 +3,34 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from functools import partial
 from typing import Any
 
 from .certificate import MinkowskiFactor, OrthantTrees
 from .exact import pivot_transform, times
 from .quadratic import every_transform, in_submatrix, star
+from .regions import AllShadowed, Disconnected, Infeasible, IsolatedSolution, Tree, Unsolvable
 from .registry import predicate
 from .subject import Subject
 from .verdict import Finding, Verdict
 from .witness import (
     AllDecrease,
-    AllShadowed,
-    Disconnected,
     EquationSolution,
-    Infeasible,
     InSubmatrix,
     InTransform,
     InTranspose,
-    IsolatedSolution,
     Member,
     NoDiagonals,
     SignReversed,
-    Tree,
-    Unsolvable,
     ZeroSolution,
     origin,
 )
 
 
 def _same(verdict: Verdict, prefix: str = "") -> Finding:
-    return Finding(verdict.holds, lambda: prefix + verdict.reason, verdict.witness, verdict.certificate)
+    return Finding(
+        verdict.holds, lambda: prefix + verdict.reason, verdict.witness, partial(getattr, verdict, "certificate")
+    )
 
 
 def _both(A: Subject, first: str, second: str) -> Finding:
@@ -82,7 +80,7 @@ def _semimonotone(A: Subject, strict: bool) -> Finding:
 
 @predicate("almost-E", "almost strictly semimonotone", limit=30)
 def is_almost_strictly_semimonotone(A: Subject) -> Finding:
-    """Every proper principal submatrix is in E and A is not. The witness of E has a smallest support: it must be full."""
+    """Every proper principal submatrix is in E and A is not: the support-minimal witness against E is positive."""
     x = A.ask("semimonotone", True)
     if x is None:
         return Finding(False, "A itself is in E", Member("E"))
@@ -102,7 +100,7 @@ def is_fully_semimonotone(A: Subject) -> Finding:
 
 @predicate("E0s", "semimonotone star", limit=24)
 def is_semimonotone_star(A: Subject) -> Finding:
-    """E0, and x'Ax = 0, Ax >= 0, x >= 0 imply A'x <= 0. The second is linear on each piece of SOL(0, A): rays suffice."""
+    """E0, and x'Ax = 0, Ax >= 0, x >= 0 imply A'x <= 0. The second is linear on the pieces of SOL(0, A): rays do."""
     e0 = A.verdict("E0")
     return star(A, "semimonotone") if e0 else _same(e0)
 
@@ -220,7 +218,7 @@ def is_q0(A: Subject) -> Finding:
 def _unsolvable(A: Subject, q: list[int]) -> Unsolvable:
     separations = A.ask("separate", tuple(q))
     z, t = A.ask("feasible_point", tuple(q))
-    return Unsolvable(tuple(q), _rescale(A, z, t), tuple(map(tuple, separations)))
+    return Unsolvable(tuple(map(Fraction, q)), _rescale(A, z, t), tuple(map(tuple, separations)))
 
 
 def _rescale(A: Subject, z: list[int], t: int) -> tuple[Fraction, ...]:
@@ -256,7 +254,7 @@ def is_completely_q(A: Subject) -> Finding:
 
 @predicate("cQ0", "completely Q0", limit=8)
 def is_completely_q0(A: Subject) -> Finding:
-    """Every principal submatrix is in Q0. Z-matrices and strictly semimonotone ones are, by Chandrasekaran and Cottle."""
+    """Every principal submatrix is in Q0. Z-matrices [Cha70] and strictly semimonotone ones [Cot80] are."""
     for symbol in ("Z", "E"):
         if A.verdict(symbol):
             return Finding(True, f"in {symbol}, which is contained in completely Q0")
@@ -303,7 +301,7 @@ def is_connected(A: Subject) -> Finding:
 
 
 def _isolated(A: Subject, found: InTransform | AllDecrease) -> IsolatedSolution:
-    """From x >= 0 with (Mx)_i < 0 where x_i > 0: LCP(q', M) with q' > 0 has the isolated solution 0 and the solution x."""
+    """From x >= 0 with (Mx)_i < 0 where x_i > 0: an LCP(q', M), q' > 0, with the isolated solution 0 and also x."""
     alpha = found.alpha if isinstance(found, InTransform) else ()
     inner: Any = found.inner if isinstance(found, InTransform) else found
     M = pivot_transform(A.rows, alpha)
@@ -322,7 +320,7 @@ def _isolated(A: Subject, found: InTransform | AllDecrease) -> IsolatedSolution:
 def _disconnected(A: Subject, q: list[int]) -> Disconnected:
     pieces, separations, _ = A.ask("components", tuple(q))
     return Disconnected(
-        tuple(q),
+        tuple(map(Fraction, q)),
         {alpha: _rescale(A, z, t) for alpha, _, z, t in pieces},
         {alpha: component for alpha, component, _, _ in pieces},
         tuple((alpha, beta, tuple(y)) for alpha, beta, y in separations),

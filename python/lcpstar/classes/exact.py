@@ -106,7 +106,7 @@ def times(A: Rows, x: Sequence[Fraction | int]) -> Vector:
 
 def dot(x: Sequence[Fraction | int], y: Sequence[Fraction | int]) -> Fraction:
     """x'y."""
-    return sum((a * b for a, b in zip(x, y, strict=True) if a and b), Fraction(0))
+    return sum((Fraction(a) * b for a, b in zip(x, y, strict=True) if a and b), Fraction(0))
 
 
 def solve(A: Rows, b: Sequence[Fraction | int]) -> Vector | None:

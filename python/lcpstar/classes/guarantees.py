@@ -38,13 +38,9 @@ def guarantees(known: dict[str, bool]) -> tuple[str, ...]:
         if all(known.get(s) for s in symbols) and not any(line.endswith(sentence) for line in found):
             found.append(f"{' and '.join(symbols)}: {sentence}")
     if known.get("tE0s") and known.get("P0") is False:
-        found.append(
-            "tE0s, not P0: no interior point guarantee (the paper's convergence theorem fails here); use Lemke"
-        )
+        found.append("tE0s, not P0: the paper's convergence theorem fails here; use Lemke")
     if known.get("Q0") is False:
         found.append("not Q0: some feasible q has no solution; the witness shows one")
     if known.get("E0") is False:
-        found.append(
-            "not E0: some q > 0 has a solution besides 0, and no method of this library promises to decide every q"
-        )
+        found.append("not E0: some q > 0 has a solution besides 0; no method promises to decide every q")
     return tuple(found)

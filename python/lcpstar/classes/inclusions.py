@@ -23,7 +23,7 @@ INCLUSIONS: tuple[tuple[str, str, str], ...] = (
     ("RSU", "P0", "[CPV89]"),
     ("RSU", "Q0", "[CPV89]"),
     ("PM", "PSBD", "the pair of columns with opposite signs"),
-    ("PM", "P0", "[Gow90]"),
+    ("PM", "P0", "[Gow89]"),
     ("PM", "C0*", "take y = x + e_i"),
     ("C", "C0+", "the form has no zero"),
     ("C0+", "C0*", "(A + A')x = 0 and Ax >= 0"),
@@ -97,15 +97,15 @@ def supersets(symbol: str) -> dict[str, str]:
     return found
 
 
-def conclude(known: dict[str, bool], symbol: str) -> tuple[bool, str, str] | None:
-    """What known memberships say about a class: (answer, the class it follows from, sentence), or None."""
+def conclude(known: dict[str, bool], symbol: str) -> tuple[bool, tuple[str, ...], str] | None:
+    """What known memberships say about a class: (answer, the classes it follows from, sentence), or None."""
     for small, large, why in INCLUSIONS:
         if large == symbol and known.get(small) is True:
-            return True, small, f"{small} is contained in {symbol}: {why}"
+            return True, (small,), f"{small} is contained in {symbol}: {why}"
     for first, second, large, why in INTERSECTIONS:
         if large == symbol and known.get(first) and known.get(second):
-            return True, first, f"{first} and {second} give {symbol}: {why}"
+            return True, (first, second), f"{first} and {second} give {symbol}: {why}"
     for small, large, why in INCLUSIONS:
         if small == symbol and known.get(large) is False:
-            return False, large, f"not in {large}, which contains {symbol}: {why}"
+            return False, (large,), f"not in {large}, which contains {symbol}: {why}"
     return None

@@ -31,7 +31,7 @@ def _definite(A: Subject, strict: bool) -> Finding:
         witness = FormValue(tuple(x), strict)
         return Finding(False, lambda: witness.sentence(A.rows), witness)
     sign = "> 0" if strict else ">= 0"
-    return Finding(True, f"A + A' = L D L' with D {sign}", certificate=ldl(A.rows, strict))
+    return Finding(True, f"A + A' = L D L' with D {sign}", certificate=functools.partial(ldl, A.rows, strict))
 
 
 @predicate("C0", "copositive", limit=30)
@@ -39,7 +39,7 @@ def is_copositive(A: Subject) -> Finding:
     """x'Ax >= 0 for all x >= 0.
 
     With S = A + A': C0 for symmetric S is E0, so no S[alpha, alpha] may be nonsingular with S[alpha, alpha]^-1 e < 0
-    (see `is_semimonotone`; Hadeler 1983, Valiaho 1986). 2^n eliminations.
+    (see `is_semimonotone`; [Had83], [Val86]). 2^n eliminations.
     """
     return _copositive(A, strict=False)
 
@@ -57,7 +57,7 @@ def _copositive(A: Subject, strict: bool) -> Finding:
         return Finding(False, lambda: witness.sentence(A.rows), witness)
     name = "x'Ax > 0" if strict else "x'Ax >= 0"
     reason = f"{name} on every face of the orthant: no A + A' restricted to an index set maps some x > 0 to -e"
-    return Finding(True, reason, certificate=None if strict else _decomposition(A))
+    return Finding(True, reason, certificate=None if strict else functools.partial(_decomposition, A))
 
 
 def _decomposition(A: Subject) -> Decomposition | None:
@@ -91,7 +91,7 @@ def is_copositive_plus(A: Subject) -> Finding:
 
 @predicate("C0*", "copositive star", limit=30)
 def is_copositive_star(A: Subject) -> Finding:
-    """C0, and x'Ax = 0, Ax >= 0, x >= 0 imply A'x <= 0. The second is linear on each piece of SOL(0, A): rays suffice."""
+    """C0, and x'Ax = 0, Ax >= 0, x >= 0 imply A'x <= 0. The second is linear on the pieces of SOL(0, A): rays do."""
     c0 = A.verdict("C0")
     if not c0:
         return Finding(c0.holds, lambda: c0.reason, c0.witness)
@@ -167,10 +167,10 @@ def is_almost_copositive(A: Subject) -> Finding:
 
 
 def exact_order(A: Subject, k: int) -> Finding:
-    """Copositive of exact order k: all principal submatrices of order n - k are copositive, none of order n - k + 1 is."""
+    """Copositive of exact order k: the principal submatrices of order n - k are C0, none of order n - k + 1 is."""
     if k == 0:
         c0 = A.verdict("C0")
-        return Finding(c0.holds, lambda: c0.reason, c0.witness, c0.certificate)
+        return Finding(c0.holds, lambda: c0.reason, c0.witness, functools.partial(getattr, c0, "certificate"))
     for alpha in subsets(A.n):
         size = len(alpha)
         if size > A.n - k + 1:

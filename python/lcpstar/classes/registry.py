@@ -1,4 +1,4 @@
-"""Symbols, names and predicates of all classes: `check(A, "E0s")`, `is_semimonotone_star(A)` and the CLI are one thing."""
+"""Symbols, names and predicates: `check(A, "E0s")`, `is_semimonotone_star(A)` and the command line are one thing."""
 
 from __future__ import annotations
 
@@ -38,6 +38,40 @@ class PublicCheck(Protocol):
 
 CLASSES: dict[str, MatrixClass] = {}
 
+# The order of the paper, in which everything is listed.
+_ORDER = (
+    *(
+        "PD",
+        "PSD",
+        "CSU",
+        "RSU",
+        "SU",
+        "P",
+        "P0",
+        "N",
+        "N0",
+        "C0",
+        "C",
+        "C0+",
+        "C0*",
+        "E0",
+        "E",
+        "L2",
+        "L",
+        "PM",
+        "PSBD",
+    ),
+    *("C0f", "E0f", "almost-P0", "almost-P", "almost-N0", "almost-N", "almost-C0", "almost-E", "almost-C0f", "Z", "K0"),
+    *("Ec", "R", "R0", "Qb", "Q", "Q0", "cQ", "cQ0", "E0s", "cE0s", "tE0s", "ctE0s", "++"),
+)
+
+
+def list_in_order() -> None:
+    """Sorts `CLASSES` once all predicates are registered."""
+    for symbol in _ORDER:
+        CLASSES[symbol] = CLASSES.pop(symbol)
+
+
 # Other spellings in use; the paper's notation is on the left of each comment.
 ALIASES = {
     "column sufficient": "CSU",
@@ -72,7 +106,7 @@ def predicate(symbol: str, name: str, limit: int | None = 40) -> Callable[[Predi
             return check(A, symbol, time_limit=time_limit)
 
         public.__annotations__ = {"A": Any, "time_limit": "float | None", "return": Verdict}
-        del public.__wrapped__  # type: ignore[attr-defined]
+        del public.__wrapped__
         CLASSES[symbol] = MatrixClass(symbol, name, decide, limit, public)
         return public
 
@@ -111,10 +145,10 @@ def evaluate(subject: Subject, symbol: str) -> Verdict:
         which.symbol,
         which.name,
         finding.witness,
-        finding.certificate,
         cost,
         subject.rows,
         finding.reason,
+        finding.certificate,
     )
 
 

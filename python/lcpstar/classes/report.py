@@ -6,6 +6,7 @@ import html
 import sys
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from functools import partial
 from typing import Any
 
 from ..errors import InternalError, OptionError
@@ -17,51 +18,12 @@ from .verdict import Cost, Verdict
 from .witness import Implied
 
 # Cheap classes first: what they decide saves the others.
-_ORDER = [
-    "PD",
-    "PSD",
-    "Z",
-    "P",
-    "P0",
-    "E0",
-    "E",
-    "C0",
-    "C",
-    "R0",
-    "K0",
-    "PSBD",
-    "PM",
-    "N",
-    "N0",
-    "almost-P",
-    "almost-P0",
-    "almost-N",
-    "almost-N0",
-    "C0+",
-    "C0*",
-    "E0s",
-    "tE0s",
-    "L2",
-    "L",
-    "R",
-    "CSU",
-    "RSU",
-    "SU",
-    "cE0s",
-    "ctE0s",
-    "almost-C0",
-    "almost-E",
-    "E0f",
-    "C0f",
-    "almost-C0f",
-    "cQ",
-    "Q",
-    "Q0",
-    "Qb",
-    "cQ0",
-    "++",
-    "Ec",
-]
+_ORDER = (
+    *("PD", "PSD", "Z", "P", "P0", "E0", "E", "C0", "C", "R0", "K0", "PSBD", "PM", "N", "N0"),
+    *("almost-P", "almost-P0", "almost-N", "almost-N0", "C0+", "C0*", "E0s", "tE0s", "L2", "L", "R"),
+    *("CSU", "RSU", "SU", "cE0s", "ctE0s", "almost-C0", "almost-E", "E0f", "C0f", "almost-C0f"),
+    *("cQ", "Q", "Q0", "Qb", "cQ0", "++", "Ec"),
+)
 # Up to this order every class is decided by its own definition, so that every verdict has its own witness.
 _DIRECT_UP_TO = 4
 
@@ -161,7 +123,7 @@ def classify(
     --------
     >>> report = classify([[0, 1, 1], [2, 0, 2], [-2, -4, 0]])
     >>> report["tE0s"].holds, report["C0*"].holds, str(report["C0*"].witness.x)
-    (True, False, '(1, 0, 2)')
+    (True, False, '(1, 0, 1)')
     """
     if threads is not None and threads < 1:
         raise OptionError(f"threads must be at least 1, got {threads}")
@@ -211,7 +173,7 @@ def _decide(subject: Subject, symbol: str) -> None:
     if too_large:
         which = find_class(symbol)
         reason = f"the search is offered up to n = {limit}"
-        subject.verdicts[symbol] = Verdict(None, symbol, which.name, None, None, Cost(0.0), subject.rows, reason)
+        subject.verdicts[symbol] = Verdict(None, symbol, which.name, None, Cost(0.0), subject.rows, reason, None)
         return
     subject.verdict(symbol)
 
@@ -221,12 +183,17 @@ def _concluded(subject: Subject, symbol: str) -> Verdict | None:
     found = conclude(_known(subject), symbol)
     if found is None:
         return None
-    answer, other, sentence = found
-    source = subject.verdicts[other]
-    sole = " give " not in sentence
-    implied = Implied(source, sentence)
-    witness, certificate = (None, implied if sole and source.certificate else None) if answer else (implied, None)
-    return Verdict(answer, symbol, find_class(symbol).name, witness, certificate, Cost(0.0), subject.rows, sentence)
+    answer, others, sentence = found
+    implied = Implied(tuple(subject.verdicts[other] for other in others), sentence)
+    name = find_class(symbol).name
+    if not answer:
+        return Verdict(False, symbol, name, implied, Cost(0.0), subject.rows, sentence, None)
+    return Verdict(True, symbol, name, None, Cost(0.0), subject.rows, sentence, partial(_carried, implied))
+
+
+def _carried(implied: Implied) -> Implied | None:
+    """The certificates of the smaller classes, if they have them."""
+    return implied if all(verdict.certificate is not None for verdict in implied.verdicts) else None
 
 
 def _close(subject: Subject, wanted: list[str]) -> None:

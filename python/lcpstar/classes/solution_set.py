@@ -27,7 +27,7 @@ class LocalReport:
     """One solution seen from nearby.
 
     `strongly_stable` is Robinson's strong regularity: A[alpha, alpha] is nonsingular and its Schur complement on the
-    degenerate indices is a P-matrix; then small changes of (q, A) move the solution uniquely and Lipschitz-continuously.
+    degenerate indices is a P-matrix; then small changes of (q, A) move the solution uniquely, Lipschitz-continuously.
     `stable` is True when the paper's theorem applies (tE0s, v(A) > 0, the only solution) or it is strongly stable;
     otherwise None: stability in general is no finite test.
     """

@@ -1,4 +1,4 @@
-"""The matrix under examination: exact entries, the compiled kernel on their integer multiple, and what is known so far."""
+"""The matrix under examination: exact entries, the compiled kernel on their integer multiple, what is known."""
 
 from __future__ import annotations
 
@@ -116,7 +116,7 @@ class Subject:
         return Subject(rows, self.deadline, kernel, 1, n)
 
     def transform(self, alpha: IndexSet, scaled: Subject) -> Subject:
-        """The transform on alpha up to a positive number, so that witnesses carry over; `scaled` is from `transforms`."""
+        """The transform on alpha up to a positive number: witnesses carry over. `scaled` is from `transforms`."""
         if self.scale == 1 or not alpha:
             return scaled
         M = pivot_transform(self.rows, alpha)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import cached_property, partial
 from typing import Any
 
 from .exact import Rows
@@ -20,7 +21,7 @@ class Cost:
 
 @dataclass(frozen=True)
 class Finding:
-    """What a predicate returns: `holds`, and why. `reason` may be a function, called when somebody asks."""
+    """What a predicate returns: `holds`, and why. `reason` may be a function and `certificate` a partial one."""
 
     holds: bool | None
     reason: str | Callable[[], str]
@@ -40,10 +41,15 @@ class Verdict:
     symbol: str
     name: str
     witness: Any
-    certificate: Any
     cost: Cost
     matrix: Rows = field(repr=False)
     _reason: str | Callable[[], str] = field(repr=False)
+    _certificate: Any = field(repr=False)
+
+    @cached_property
+    def certificate(self) -> Any:
+        """The proof of membership, made when somebody asks; None if there is no compact one."""
+        return self._certificate() if isinstance(self._certificate, partial) else self._certificate
 
     @property
     def reason(self) -> str:

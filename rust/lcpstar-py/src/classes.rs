@@ -157,12 +157,6 @@ impl IntegerMatrix {
         self.search(py, time_limit, |budget| Ok(table(&semimonotone::zeros_of_copositive_form(&self.a, budget)?)))
     }
 
-    /// Generators of the pieces of SOL(0, A).
-    #[pyo3(signature = (time_limit=None))]
-    fn zero_solutions(&self, py: Python<'_>, time_limit: Option<f64>) -> PyResult<Vec<Vector>> {
-        self.search(py, time_limit, |budget| Ok(table(&zero_solutions::rays(&self.a, budget)?)))
-    }
-
     /// A nonzero element of SOL(0, A).
     #[pyo3(signature = (time_limit=None))]
     fn nonzero_solution(&self, py: Python<'_>, time_limit: Option<f64>) -> PyResult<Option<Vector>> {
@@ -339,10 +333,5 @@ impl IntegerMatrix {
     /// The determinant.
     fn determinant(&self) -> BigInt {
         elimination::determinant(&self.a).to_big()
-    }
-
-    /// The rank.
-    fn rank(&self) -> usize {
-        elimination::rank(&self.a)
     }
 }

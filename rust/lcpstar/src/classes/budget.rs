@@ -51,7 +51,7 @@ impl<'a> Budget<'a> {
     pub fn poll(&self) -> Search<()> {
         let ticks = self.ticks.get().wrapping_add(1);
         self.ticks.set(ticks);
-        if ticks % POLL_EVERY == 0 { self.ask() } else { Ok(()) }
+        if ticks.is_multiple_of(POLL_EVERY) { self.ask() } else { Ok(()) }
     }
 
     /// Says how much there is to do, for the report of a stopped search.

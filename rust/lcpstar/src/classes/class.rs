@@ -288,3 +288,55 @@ impl Facts {
         Ok(exact)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn classes(rows: &[[i64; 3]]) -> Vec<&'static str> {
+        let facts = Facts::new(IMatrix::from_rows(rows));
+        let b = Budget::unlimited();
+        SYMBOLS.iter().filter(|(_, c)| facts.holds(*c, &b).expect("no limit")).map(|(s, _)| *s).collect()
+    }
+
+    /// [JDS], numerical example: tilde class, not P0, not connected.
+    #[test]
+    fn papers_numerical_example() {
+        let found = classes(&[[0, 1, 1], [2, 0, 2], [-2, -5, 0]]);
+        assert_eq!(found, ["E0", "L2", "L", "Q0", "E0s", "tE0s"]);
+    }
+
+    /// [JDS], example 10: a Q-matrix by regularity; example 9: P0 and E0s, not tE0s, Q0 without being L2.
+    #[test]
+    fn papers_examples_9_and_10() {
+        let found = classes(&[[0, 2, 1], [1, 0, 1], [-2, -2, 1]]);
+        assert_eq!(found, ["E0", "L2", "L", "R", "R0", "Qb", "Q", "Q0", "E0s", "tE0s"]);
+        let found = classes(&[[1, -1, -2], [-1, 1, 0], [0, 0, 1]]);
+        for (symbol, expected) in [("P0", true), ("E0s", true), ("Q0", true), ("tE0s", false), ("L2", false)] {
+            assert_eq!(found.contains(&symbol), expected, "{symbol}");
+        }
+    }
+
+    /// A positive definite matrix is in everything that contains P, PSD and C.
+    #[test]
+    fn identity() {
+        let found = classes(&[[1, 0, 0], [0, 1, 0], [0, 0, 1]]);
+        let outside = SYMBOLS.iter().filter(|(s, _)| !found.contains(s)).map(|(s, _)| *s).collect::<Vec<_>>();
+        assert_eq!(
+            outside,
+            ["N", "N0", "almost-P0", "almost-P", "almost-N0", "almost-N", "almost-C0", "almost-E", "almost-C0f"]
+        );
+    }
+
+    /// A stopped search is an error, never a wrong answer.
+    #[test]
+    fn cancelled_search_says_so() {
+        let n = 26;
+        let a =
+            IMatrix::from_fn(n, n, |i, j| crate::exact::int::Int::from(if i == j { 1 } else { 7 * i64::from(j > i) }));
+        let stop = || true;
+        let budget = Budget::new(None, Some(&stop));
+        let answer = Facts::new(a).holds(Class::E0, &budget);
+        assert_eq!(answer, Err(crate::classes::budget::Stopped::Cancelled));
+    }
+}

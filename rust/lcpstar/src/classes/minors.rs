@@ -5,6 +5,7 @@
 //! proved error bound; a pivot that the bound cannot tell from zero is decided in integers.
 
 use super::budget::{Budget, Search};
+use super::dominance::is_known;
 use crate::exact::elimination::determinant;
 use crate::exact::imatrix::{IMatrix, by_size, full, indices, of_size};
 use crate::exact::int::Int;
@@ -52,34 +53,15 @@ pub fn first_violation(a: &IMatrix, rule: Rule, proper: bool, budget: &Budget<'_
             return Ok(Some(alpha));
         }
     }
-    if n <= BY_SIZE_UP_TO || (!proper && known_by_dominance(a, rule)) {
+    let known = match rule {
+        Rule::Positive => is_known(a, true),
+        Rule::NonNegative => is_known(a, false),
+        Rule::Negative | Rule::NonPositive => false,
+    };
+    if n <= BY_SIZE_UP_TO || known {
         return Ok(None);
     }
     Recursion::new(a, rule, proper, budget).run()
-}
-
-/// All principal minor signs for n <= 20, indexed by mask (the empty minor is 1).
-///
-/// # Errors
-/// `Stopped` by the budget.
-pub fn signs(a: &IMatrix, budget: &Budget<'_>) -> Search<Vec<i32>> {
-    let mut all = vec![1; 1 << a.rows()];
-    for alpha in by_size(a.rows()) {
-        budget.poll()?;
-        all[alpha as usize] = determinant(&a.principal(&indices(alpha))).sign();
-    }
-    Ok(all)
-}
-
-/// Positive diagonal and strict dominance by rows or columns gives P [CPS92, sec. 3.3].
-fn known_by_dominance(a: &IMatrix, rule: Rule) -> bool {
-    let dominant = |a: &IMatrix| {
-        (0..a.rows()).all(|i| {
-            let off = (0..a.rows()).filter(|&j| j != i).fold(Int::ZERO, |sum, j| &sum + &a.at(i, j).abs());
-            (a.at(i, i) - &off).sign() > 0
-        })
-    };
-    matches!(rule, Rule::Positive | Rule::NonNegative) && (dominant(a) || dominant(&a.transpose()))
 }
 
 /// Unit roundoff with room to spare.
@@ -110,9 +92,10 @@ impl<'a, 'b> Recursion<'a, 'b> {
             let exact = IMatrix::clone(self.a);
             return self.exact(exact, indices(full(n)), 0, Int::ONE, 0);
         }
+        let largest = doubles.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
         self.levels[0].copy_from_slice(&doubles);
         self.budget.begin(1 << n.min(63));
-        self.visit(0, 0, 0, 1, 4.0 * UNIT)
+        self.visit(0, 0, 0, 1, 4.0 * UNIT * largest + TINY)
     }
 
     fn allows(&self, alpha: u64, sign: i32) -> bool {
@@ -239,7 +222,6 @@ impl<'a, 'b> Recursion<'a, 'b> {
         if m.is_zero() && self.rule.allows(0) {
             return Ok(None);
         }
-        let positions: Vec<usize> = (0..size).collect();
         for gamma in by_size(size).filter(|g| g.count_ones() > 1) {
             self.budget.poll()?;
             let inside = indices(gamma);
@@ -248,13 +230,12 @@ impl<'a, 'b> Recursion<'a, 'b> {
                 continue;
             }
             // Sylvester: det m[gamma] = previous^(|gamma| - 1) det A[chosen + gamma].
-            let power = if inside.len() % 2 == 0 { previous.sign() } else { 1 };
+            let power = if inside.len().is_multiple_of(2) { previous.sign() } else { 1 };
             let sign = determinant(&m.principal(&inside)).sign() * power;
             if !self.allows(chosen | alpha, sign) {
                 return Ok(Some(chosen | alpha));
             }
         }
-        debug_assert_eq!(positions.len(), size);
         Ok(None)
     }
 }
@@ -270,19 +251,32 @@ fn bareiss(m: &IMatrix, k: usize, previous: &Int) -> (IMatrix, Int) {
     (next, pivot)
 }
 
-/// Entries divided by the largest: `false` when doubles cannot hold them.
+/// Columns divided by their diagonal entry, or by their largest where that is zero: a positive scaling keeps all signs.
+/// `false` when doubles cannot hold them.
 fn scaled_doubles(a: &IMatrix) -> (bool, Vec<f64>) {
-    let doubles: Vec<f64> = a.entries().iter().map(Int::to_f64).collect();
-    let largest = doubles.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
-    if !largest.is_finite() || largest == 0.0 {
-        return (false, doubles);
+    let n = a.rows();
+    let mut doubles: Vec<f64> = a.entries().iter().map(Int::to_f64).collect();
+    for j in 0..n {
+        let largest = (0..n).fold(0.0_f64, |m, i| m.max(doubles[i * n + j].abs()));
+        let diagonal = doubles[j * n + j].abs();
+        let scale = if diagonal > 0.0 { diagonal } else { largest.max(f64::MIN_POSITIVE) };
+        (0..n).for_each(|i| doubles[i * n + j] /= scale);
     }
-    (true, doubles.iter().map(|x| x / largest).collect())
+    (doubles.iter().all(|x| x.is_finite()), doubles)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// All principal minor signs, indexed by mask; the empty minor is 1.
+    fn signs(a: &IMatrix) -> Vec<i32> {
+        let mut all = vec![1; 1 << a.rows()];
+        for alpha in by_size(a.rows()) {
+            all[alpha as usize] = determinant(&a.principal(&indices(alpha))).sign();
+        }
+        all
+    }
 
     fn random(n: usize, seed: &mut u64, spread: i64, diagonal: i64) -> IMatrix {
         IMatrix::from_fn(n, n, |i, j| {
@@ -300,11 +294,11 @@ mod tests {
         for round in 0..600 {
             let n = 2 + round % 5;
             let a = random(n, &mut seed, 2, (round % 3) as i64);
-            let signs = signs(&a, &budget).expect("no limit");
+            let signs = signs(&a);
             for rule in [Rule::Positive, Rule::NonNegative, Rule::Negative, Rule::NonPositive] {
                 for proper in [false, true] {
                     let found = Recursion::new(&a, rule, proper, &budget).run().expect("no limit");
-                    let broken = |&alpha: &u64| !rule.allows(signs[alpha as usize]) && !(proper && alpha == full(n));
+                    let broken = |&alpha: &u64| !(rule.allows(signs[alpha as usize]) || proper && alpha == full(n));
                     match found {
                         Some(alpha) => assert!(broken(&alpha), "{a:?} {rule:?} {alpha:b}"),
                         None => assert_eq!(by_size(n).find(broken), None, "{a:?} {rule:?}"),

@@ -5,6 +5,7 @@ pub mod class;
 pub mod connected;
 pub mod cover;
 pub mod definite;
+pub mod dominance;
 pub mod formula;
 pub mod game;
 pub mod minors;

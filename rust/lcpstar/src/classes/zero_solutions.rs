@@ -61,19 +61,6 @@ fn piece(a: &IMatrix, mask: u64) -> Vec<Vec<Int>> {
     rays.into_iter().filter(|x| x.iter().all(|v| v.sign() > 0)).map(|x| embed(&x, &alpha, n)).collect()
 }
 
-/// All rays that [`visit`] finds.
-///
-/// # Errors
-/// `Stopped` by the budget.
-pub fn rays(a: &IMatrix, budget: &Budget<'_>) -> Search<Vec<Vec<Int>>> {
-    let mut all = Vec::new();
-    visit::<()>(a, budget, |x| {
-        all.push(x);
-        ControlFlow::Continue(())
-    })?;
-    Ok(all)
-}
-
 /// A ray of SOL(0, A), if A is not in R0.
 ///
 /// # Errors

@@ -1,4 +1,4 @@
-//! Fraction-free elimination: determinants, solutions and null spaces over the integers [Bareiss 1968].
+//! Fraction-free elimination: determinants, solutions and null spaces over the integers [Bar68].
 
 use super::imatrix::IMatrix;
 use super::int::{Int, make_primitive};
