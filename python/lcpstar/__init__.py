@@ -88,6 +88,7 @@ __all__ = [
     "BilinearOptions",
     "BlockPivotingOptions",
     "PotentialReductionOptions",
+    "InteriorPointOptions",
     "classes",
     "classify",
     "explore",
