@@ -148,8 +148,8 @@ fn by_method(problem: &Equilibrated<'_>, settings: &Settings, control: &Control<
             certify(problem, block_pivoting::block_pivoting(scaled, &options, control), "block_pivoting", settings.tol)
         }
         Method::InteriorPoint(options) => {
-            let found = interior_point_candidate(&problem, settings, options, control);
-            certify(&problem, found, "interior_point", settings.tol)
+            let found = interior_point_candidate(problem, settings, options, control);
+            certify(problem, found, "interior_point", settings.tol)
         }
         Method::PotentialReduction(options) => {
             let stop = potential_reduction::Stop::Residual(settings.tol);
