@@ -17,7 +17,7 @@ import lcpstar
 from lcpstar import _core, classes, errors
 from lcpstar.classes.exact import pivot_transform, read_matrix
 from lcpstar.classes.inclusions import INCLUSIONS, INTERSECTIONS
-from lcpstar.explore import explore
+from lcpstar.exploring import explore
 
 SAMPLE = pathlib.Path(os.environ.get("LCPSTAR_CORPUS", "missing")).parent / "classes_sample.json"
 

@@ -15,7 +15,7 @@ Q = [-4, -7, 10]
 
 def lcpstar(*arguments):
     command = [sys.executable, "-m", "lcpstar", *map(str, arguments)]
-    return subprocess.run(command, capture_output=True, text=True, check=False, timeout=60)
+    return subprocess.run(command, capture_output=True, text=True, check=False, timeout=300)
 
 
 @pytest.fixture
@@ -46,6 +46,16 @@ def test_paper_shows_the_misprint_of_row_97():
     assert run.returncode == 0
     assert "psi printed    1.1684   recomputed 1.1416" in run.stdout
     assert "(0, 2, 7/2), not in the paper" in run.stdout
+    assert "[[0, -1], [0, 0]]; 2 of 62 fail" in run.stdout  # claim F7, found by search
+
+
+def test_classify_and_explore(tmp_path):
+    (tmp_path / "A.json").write_text('{"A": [[0, -1], [0, 0]]}')
+    run = lcpstar("classify", tmp_path / "A.json")
+    assert run.returncode == 0, run.stderr
+    assert "E0s" in run.stdout
+    run = lcpstar("explore", "P0 => tE0s", "-n", "2")
+    assert "[[0, -1], [0, 0]]" in run.stdout, run.stderr
 
 
 def test_exit_status_one_when_not_solved(tmp_path):

@@ -8,7 +8,7 @@ import pytest
 from lcpstar import errors
 from lcpstar.audit import CLAIMS, FALSE, HOLDS, audit, recompute, table
 from lcpstar.classes import check
-from lcpstar.explore import add_explore_parser, explore
+from lcpstar.exploring import add_explore_parser, explore
 from lcpstar.formula import parse_claim
 
 

@@ -8,11 +8,21 @@ import sys
 from typing import Any
 
 from . import __version__
+from .classes import add_classify_parser
 from .errors import FileFormatError, LCPError
+from .exploring import add_explore_parser
 from .files import read_problem
 from .solve import solve
 
-METHODS = ("auto", "lemke", "lemke_howson", "block_pivoting", "bilinear", "potential_reduction")
+METHODS = (
+    "auto",
+    "lemke",
+    "lemke_howson",
+    "block_pivoting",
+    "bilinear",
+    "interior_point",
+    "potential_reduction",
+)
 
 
 def main(argv: list[str] | None = None) -> int:
@@ -21,7 +31,9 @@ def main(argv: list[str] | None = None) -> int:
     parser.add_argument("--version", action="version", version=f"lcpstar {__version__}")
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     _add_solve(commands)
-    paper = commands.add_parser("paper", help="recompute the paper's example and its Table 1")
+    add_classify_parser(commands)
+    add_explore_parser(commands)
+    paper = commands.add_parser("paper", help="recompute the paper: its example, Table 1, and every claim")
     paper.set_defaults(run=_paper)
     arguments = parser.parse_args(argv)
     try:
@@ -68,9 +80,12 @@ def _solve(arguments: argparse.Namespace) -> int:
 
 
 def _paper(arguments: argparse.Namespace) -> int:
+    from .audit import audit, table
     from .paper import main as report
 
     report()
+    print("\nEvery claim and example, by exhaustive search and exact verdicts:\n")
+    print(table(audit()))
     return 0
 
 

@@ -20,6 +20,7 @@ __all__ = [
     "scan",
     "solutions",
     "solve",
+    "solve_sparse",
 ]
 __version__: str
 
@@ -136,3 +137,14 @@ def scan(
     time_limit: float | None = None,
 ) -> tuple[int, int, int, tuple[int, list[int]] | None]: ...
 def satisfies(matrix: IntegerMatrix, statement: tuple[Any, ...], time_limit: float | None = None) -> bool: ...
+def solve_sparse(
+    starts: NDArray[np.int64],
+    columns: NDArray[np.int64],
+    values: Vector,
+    q: Vector,
+    tol: float,
+    max_iterations: int | None,
+    time_limit: float | None,
+    z0: Vector | None,
+    options: InteriorPointOptions,
+) -> Solution: ...

@@ -16,7 +16,7 @@ from typing import Any
 from .classes.exact import Rows, pivot_transform, principal, read_matrix, read_vector, times, transpose
 from .classes.registry import check
 from .classes.solution_set import solution_set
-from .explore import Exploration, explore
+from .exploring import Exploration, explore
 
 HOLDS, FALSE = "no counterexample", "false"
 

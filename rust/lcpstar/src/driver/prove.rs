@@ -32,10 +32,10 @@ pub(super) fn prove(problem: &Equilibrated<'_>, mut solution: Solution, tol: f64
             }
         }
         Status::Infeasible => {
-            if let Some(Certificate::Infeasible { y, .. }) = &solution.certificate {
-                if let Some(exact) = repair_farkas(lcp, y, &stop) {
-                    return infeasible(solution, exact);
-                }
+            if let Some(Certificate::Infeasible { y, .. }) = &solution.certificate
+                && let Some(exact) = repair_farkas(lcp, y, &stop)
+            {
+                return infeasible(solution, exact);
             }
             match exact_feasibility(problem, control) {
                 Feasibility::Infeasible(exact) => return infeasible(solution, exact),
@@ -83,10 +83,10 @@ fn by_exact_path(problem: &Equilibrated<'_>, mut solution: Solution, tol: f64, s
         solution.method = "exact_lemke";
         return proved(problem, &solution, exact, tol);
     }
-    if let Some(ray) = &solution.ray {
-        if let Some(exact) = prove_ray(lcp, &ray.d, &ray.z_hat, ray.z0_hat, stop) {
-            solution.certificate = Some(Certificate::Ray { z_hat: exact.z });
-        }
+    if let Some(ray) = &solution.ray
+        && let Some(exact) = prove_ray(lcp, &ray.d, &ray.z_hat, ray.z0_hat, stop)
+    {
+        solution.certificate = Some(Certificate::Ray { z_hat: exact.z });
     }
     solution
 }
