@@ -32,3 +32,12 @@ pub fn to_lcp(py: Python<'_>, a: &PyReadonlyArray2<'_, f64>, q: &PyReadonlyArray
     let (n, a) = square(py, "A", a)?;
     Lcp::new(n, a, vector(q)).map_err(|e| to_python(py, &e))
 }
+
+/// An index set: Python's negative indices are not accepted, since they hide mistakes in mathematics.
+pub fn index_set(py: Python<'_>, name: &'static str, alpha: &[i64], n: usize) -> PyResult<Vec<usize>> {
+    let convert = |&i: &i64| match usize::try_from(i) {
+        Ok(i) if i < n => Ok(i),
+        _ => Err(to_python(py, &LcpError::BadIndex { name, index: i, n, repeated: false })),
+    };
+    alpha.iter().map(convert).collect()
+}

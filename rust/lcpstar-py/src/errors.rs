@@ -4,6 +4,8 @@ use lcpstar::LcpError;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Mutex;
+use std::time::{Duration, Instant};
 
 /// Runs `f` with the interpreter released. A panic in the core becomes `lcpstar.InternalError`, never a `BaseException`.
 pub fn enter_core<T: Send>(py: Python<'_>, f: impl FnOnce() -> lcpstar::Result<T> + Send) -> PyResult<T> {
@@ -43,5 +45,46 @@ pub fn raise(py: Python<'_>, class: &str, message: &str) -> PyErr {
     match made {
         Ok(exception) => PyErr::from_value(exception),
         Err(error) => error,
+    }
+}
+
+/// Ctrl-C while the interpreter is released: asked once per iteration, looks at most every 50 ms, so that a short
+/// solve never takes the interpreter back and a long one stops within a blink.
+pub struct Signals {
+    next: Mutex<Instant>,
+    pending: Mutex<Option<PyErr>>,
+}
+
+const SIGNAL_PERIOD: Duration = Duration::from_millis(50);
+
+impl Signals {
+    pub fn new() -> Self {
+        Self { next: Mutex::new(Instant::now() + SIGNAL_PERIOD), pending: Mutex::new(None) }
+    }
+
+    /// Whether a signal handler raised; the exception is kept for [`Signals::raise`].
+    pub fn interrupted(&self) -> bool {
+        // Another thread of the core is looking: it will see the signal.
+        let Ok(mut next) = self.next.try_lock() else { return false };
+        let now = Instant::now();
+        if now < *next {
+            return false;
+        }
+        *next = now + SIGNAL_PERIOD;
+        match Python::attach(|py| py.check_signals()) {
+            Ok(()) => false,
+            Err(error) => {
+                self.pending.lock().map(|mut pending| pending.replace(error)).ok();
+                true
+            }
+        }
+    }
+
+    /// Raises what a signal handler raised.
+    pub fn raise(&self) -> PyResult<()> {
+        match self.pending.lock().ok().and_then(|mut pending| pending.take()) {
+            Some(error) => Err(error),
+            None => Ok(()),
+        }
     }
 }

@@ -4,11 +4,18 @@ use pyo3::prelude::*;
 
 mod arrays;
 mod errors;
+mod solution;
+mod solve;
 
 /// The compiled core of lcpstar; use the `lcpstar` package instead.
 #[pymodule]
 mod _core {
     use super::*;
+
+    #[pymodule_export]
+    use crate::solution::PySolution;
+    #[pymodule_export]
+    use crate::solve::{ppt, solve};
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {

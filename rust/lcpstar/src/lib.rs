@@ -9,6 +9,7 @@
 pub mod certify;
 pub mod classes;
 pub mod control;
+pub mod driver;
 pub mod error;
 pub mod exact;
 pub mod linalg;

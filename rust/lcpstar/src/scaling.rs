@@ -111,6 +111,12 @@ impl Scaling {
         w.iter().zip(&self.rows).map(|(&w, r)| times_power_of_two(w, -r - self.q)).collect()
     }
 
+    /// A vector in w-space (a covering vector) from the caller's: `d' = s D_r d`.
+    #[must_use]
+    pub fn w_from_caller(&self, w: &[f64]) -> Vec<f64> {
+        w.iter().zip(&self.rows).map(|(&w, r)| times_power_of_two(w, r + self.q)).collect()
+    }
+
     /// A direction in z-space (a ray): as `z`, without the factor `s` that belongs to q.
     #[must_use]
     pub fn direction_to_caller(&self, z: &[f64]) -> Vec<f64> {

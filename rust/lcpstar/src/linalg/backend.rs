@@ -43,6 +43,9 @@ impl DenseLu {
     #[must_use]
     pub fn solve(&self, b: &[f64]) -> Vec<f64> {
         debug_assert!(b.len() == self.n);
+        if b.is_empty() {
+            return Vec::new();
+        }
         match &self.factors {
             Factors::Small(lu) => {
                 let mut x = DVector::from_column_slice(b);
@@ -62,6 +65,9 @@ impl DenseLu {
     #[must_use]
     pub fn solve_many(&self, c: &[f64], m: usize) -> Vec<f64> {
         debug_assert!(c.len() == self.n * m);
+        if c.is_empty() {
+            return Vec::new();
+        }
         match &self.factors {
             Factors::Small(lu) => {
                 let mut x = DMatrix::from_row_slice(self.n, m, c);
@@ -124,6 +130,20 @@ fn ratio(r: f64, m: f64) -> f64 {
 
 fn is_pivot(x: f64) -> bool {
     x != 0.0 && x.is_finite()
+}
+
+/// The numerical rank of a row-major matrix of order `n`: complete pivoting, pivots above `n EPS` of the largest.
+/// O(n^3); meant for equilibrated blocks.
+#[must_use]
+pub fn rank(n: usize, b: &[f64]) -> usize {
+    if n == 0 {
+        return 0;
+    }
+    let lu = faer::linalg::solvers::FullPivLu::new(faer::MatRef::from_row_major_slice(b, n, n));
+    let u = lu.U();
+    let pivots: Vec<f64> = (0..n).map(|i| u[(i, i)].abs()).collect();
+    let threshold = n as f64 * f64::EPSILON * max_abs(&pivots);
+    pivots.iter().filter(|&&p| p > threshold).count()
 }
 
 #[cfg(test)]

@@ -1,2 +1,6 @@
 //! One file per method. A method takes a problem, its settings and a [`Control`](crate::Control), and returns a
 //! [`Candidate`](crate::Candidate): it never imports another method and never judges its own answer.
+
+pub mod block_pivoting;
+pub mod lemke;
+pub mod lemke_howson;

@@ -1,0 +1,76 @@
+"""Arrays in: lists, any real dtype, any memory order; anything else is an exception that names argument and index."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .errors import DTypeError, ShapeError
+
+Vector = NDArray[np.float64]
+Matrix = NDArray[np.float64]
+
+_FLOAT64 = np.dtype(np.float64)
+
+
+def as_matrix(name: str, value: ArrayLike) -> Matrix:
+    """`value` as an (n, n) float64 array; not copied when it is one already. Finiteness is checked by the core."""
+    array = _as_float64(name, value)
+    if array.ndim != 2 or array.shape[0] != array.shape[1]:
+        if array.size == 0 and array.ndim == 1:  # [] is the matrix of order 0
+            return np.zeros((0, 0))
+        raise ShapeError(f"{name} must be a square matrix, got shape {array.shape}")
+    return array
+
+
+def as_vector(name: str, value: ArrayLike) -> Vector:
+    """`value` as an (n,) float64 array; not copied when it is one already."""
+    array = _as_float64(name, value)
+    if array.ndim != 1:
+        raise ShapeError(f"{name} must be a vector, got shape {array.shape}")
+    return array
+
+
+def _as_float64(name: str, value: ArrayLike) -> NDArray[np.float64]:
+    if type(value) is np.ndarray and value.dtype is _FLOAT64:
+        return value
+    if hasattr(value, "toarray"):
+        raise DTypeError(f"{name} must be a dense array, got {type(value).__name__}; pass {name}.toarray()")
+    if isinstance(value, np.ma.MaskedArray) and np.ma.is_masked(value):
+        index = tuple(int(i) for i in np.argwhere(np.ma.getmaskarray(value))[0])
+        raise DTypeError(f"{name} must have no masked entries, got {_entry(name, index)} masked")
+    try:
+        array = np.asarray(value)
+    except ValueError as error:
+        raise ShapeError(f"{name} is ragged: {error}") from error
+    if array.dtype.kind not in "fiub":
+        raise DTypeError(_not_real(name, array))
+    if array.dtype == np.float64:
+        return np.ascontiguousarray(array) if not array.dtype.isnative else array
+    with np.errstate(over="ignore"):  # a long double beyond the range of doubles becomes inf, which the core reports
+        converted = array.astype(np.float64)
+    if array.dtype.kind in "iu" and array.dtype.itemsize == 8:
+        _check_integers_survive(name, array, converted)
+    return converted
+
+
+def _check_integers_survive(name: str, array: NDArray[Any], converted: NDArray[np.float64]) -> None:
+    """64-bit integers above 2^53 may not be doubles: better said than silently changed."""
+    large = np.argwhere(np.abs(converted) >= 2.0**53)
+    for position in large:
+        index = tuple(int(i) for i in position)
+        if int(array[index]) != int(converted[index]):
+            raise DTypeError(f"{name} must hold doubles, got {_entry(name, index)} = {int(array[index])}, which is none")
+
+
+def _not_real(name: str, array: NDArray[Any]) -> str:
+    for index in np.ndindex(array.shape):
+        if array.dtype.kind != "O" or not isinstance(array[index], (int, float)):
+            return f"{name} must hold real numbers, got dtype {array.dtype}: {_entry(name, index)} = {array[index]!r}"
+    return f"{name} must hold real numbers, got dtype {array.dtype}"
+
+
+def _entry(name: str, index: tuple[int, ...]) -> str:
+    return f"{name}[{', '.join(map(str, index))}]"

@@ -1,0 +1,75 @@
+"""What a solve returns, beside `Solution` itself, which is compiled."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+from fractions import Fraction
+from types import SimpleNamespace
+from typing import Any
+
+from .coerce import Vector
+
+
+class Status(str, Enum):
+    """The outcome of a solve; compares equal to its value, so `sol.status == "solved"` works."""
+
+    SOLVED = "solved"
+    INFEASIBLE = "infeasible"
+    SECONDARY_RAY = "secondary_ray"
+    MAX_ITERATIONS = "max_iterations"
+    TIME_LIMIT = "time_limit"
+    NUMERICAL_BREAKDOWN = "numerical_breakdown"
+
+    def __str__(self) -> str:
+        """Return the bare value."""
+        return self.value
+
+
+@dataclass(frozen=True, eq=False)
+class Certificate:
+    """Why a status may be believed.
+
+    `kind` is "solution" (`alpha`, the complementary basis, reproduces z), "infeasible" (`y >= 0, A'y <= 0, q'y < 0`),
+    "ray" or "not_sufficient". `exact` says whether it was proved in rational arithmetic; then `z` or `y` are `Fraction`s.
+    In floating point, `A'y <= 0` holds up to rounding, bounded so that any feasible z would have norm above 1e10
+    (equilibrated units).
+    """
+
+    kind: str
+    exact: bool = False
+    alpha: list[int] | None = None
+    y: Vector | list[Fraction] | None = None
+    z: list[Fraction] | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Ray:
+    """A secondary ray of Lemke's method: `z + t z_hat`, `z0 + t z0_hat` stay almost complementary for all t >= 0.
+
+    `w_hat = A z_hat + d z0_hat >= 0`, `z_hat >= 0` is not zero, and `d` is the covering vector.
+    """
+
+    z: Vector
+    z0: float
+    z_hat: Vector
+    z0_hat: float
+    w_hat: Vector
+    d: Vector
+
+
+_FIELDS = (
+    "z w status success method iterations residual natural_residual alpha certificate ray message time trace".split()
+)
+
+
+class SolutionRecord(SimpleNamespace):
+    """An unpickled `Solution`: the same fields, plain values."""
+
+
+def _reduce(solution: Any) -> tuple[Any, ...]:
+    return _rebuild, (tuple(getattr(solution, field) for field in _FIELDS),)
+
+
+def _rebuild(values: tuple[Any, ...]) -> SolutionRecord:
+    return SolutionRecord(**dict(zip(_FIELDS, values, strict=True)))

@@ -1,0 +1,184 @@
+//! `lcpstar.Solution`: frozen, arrays built on first use so that a call of `solve` costs no array nobody reads.
+
+use lcpstar::{Certificate, Ray, Solution, Status};
+use numpy::PyArray1;
+use pyo3::prelude::*;
+use pyo3::sync::PyOnceLock;
+use pyo3::types::PyDict;
+
+/// The verified result of one solve; see the stub file for the fields.
+#[pyclass(name = "Solution", module = "lcpstar", frozen, weakref)]
+pub struct PySolution {
+    inner: Solution,
+    time: f64,
+    trace: Option<Py<PyAny>>,
+    /// Set when Python proved or re-proved the answer; replaces the core's floating-point certificate.
+    proof: Option<Py<PyAny>>,
+    z: PyOnceLock<Py<PyArray1<f64>>>,
+    w: PyOnceLock<Py<PyArray1<f64>>>,
+    certificate: PyOnceLock<Py<PyAny>>,
+    ray: PyOnceLock<Py<PyAny>>,
+}
+
+impl PySolution {
+    /// Wraps a core solution; `time` in seconds.
+    pub fn new(inner: Solution, time: f64) -> Self {
+        Self::with_trace(inner, time, None)
+    }
+
+    /// As [`PySolution::new`], with a list of iteration records.
+    pub fn with_trace(inner: Solution, time: f64, trace: Option<Py<PyAny>>) -> Self {
+        Self {
+            inner,
+            time,
+            trace,
+            proof: None,
+            z: PyOnceLock::new(),
+            w: PyOnceLock::new(),
+            certificate: PyOnceLock::new(),
+            ray: PyOnceLock::new(),
+        }
+    }
+
+    /// The same solution with a certificate object of `lcpstar.result`.
+    pub fn with_proof(self, proof: Py<PyAny>) -> Self {
+        Self { proof: Some(proof), ..self }
+    }
+}
+
+/// A read-only array: results are frozen, so their arrays are, too.
+fn frozen_array(py: Python<'_>, values: &[f64]) -> PyResult<Py<PyArray1<f64>>> {
+    let array = PyArray1::from_slice(py, values);
+    array.call_method1("setflags", (false,))?;
+    Ok(array.unbind())
+}
+
+/// A class of `lcpstar.result` called with keyword arguments.
+fn result_class<'py>(py: Python<'py>, name: &str, fields: &Bound<'py, PyDict>) -> PyResult<Py<PyAny>> {
+    Ok(py.import("lcpstar.result")?.getattr(name)?.call((), Some(fields))?.unbind())
+}
+
+fn certificate_object(py: Python<'_>, certificate: &Certificate) -> PyResult<Py<PyAny>> {
+    let fields = PyDict::new(py);
+    match certificate {
+        Certificate::Solution { alpha } => {
+            fields.set_item("kind", "solution")?;
+            fields.set_item("alpha", alpha.clone())?;
+        }
+        Certificate::Infeasible { y } => {
+            fields.set_item("kind", "infeasible")?;
+            fields.set_item("y", frozen_array(py, y)?)?;
+        }
+    }
+    result_class(py, "Certificate", &fields)
+}
+
+fn ray_object(py: Python<'_>, ray: &Ray) -> PyResult<Py<PyAny>> {
+    let fields = PyDict::new(py);
+    for (name, vector) in [("z", &ray.z), ("z_hat", &ray.z_hat), ("w_hat", &ray.w_hat), ("d", &ray.d)] {
+        fields.set_item(name, frozen_array(py, vector)?)?;
+    }
+    fields.set_item("z0", ray.z0)?;
+    fields.set_item("z0_hat", ray.z0_hat)?;
+    result_class(py, "Ray", &fields)
+}
+
+#[pymethods]
+impl PySolution {
+    #[getter]
+    fn z(&self, py: Python<'_>) -> PyResult<Py<PyArray1<f64>>> {
+        Ok(self.z.get_or_try_init(py, || frozen_array(py, &self.inner.z))?.clone_ref(py))
+    }
+
+    #[getter]
+    fn w(&self, py: Python<'_>) -> PyResult<Py<PyArray1<f64>>> {
+        Ok(self.w.get_or_try_init(py, || frozen_array(py, &self.inner.w))?.clone_ref(py))
+    }
+
+    #[getter]
+    fn status(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
+        static STATUS: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
+        let class =
+            STATUS.get_or_try_init(py, || PyResult::Ok(py.import("lcpstar.result")?.getattr("Status")?.unbind()))?;
+        class.call1(py, (self.inner.status.as_str(),))
+    }
+
+    #[getter]
+    fn success(&self) -> bool {
+        self.inner.status == Status::Solved
+    }
+
+    #[getter]
+    fn method(&self) -> &str {
+        self.inner.method
+    }
+
+    #[getter]
+    fn iterations(&self) -> usize {
+        self.inner.iterations
+    }
+
+    #[getter]
+    fn residual(&self) -> f64 {
+        self.inner.residual
+    }
+
+    #[getter]
+    fn natural_residual(&self) -> f64 {
+        self.inner.natural_residual
+    }
+
+    #[getter]
+    fn alpha(&self) -> Vec<usize> {
+        self.inner.alpha.clone()
+    }
+
+    #[getter]
+    fn certificate(&self, py: Python<'_>) -> PyResult<Option<Py<PyAny>>> {
+        if let Some(proof) = &self.proof {
+            return Ok(Some(proof.clone_ref(py)));
+        }
+        let Some(certificate) = &self.inner.certificate else { return Ok(None) };
+        let object = self.certificate.get_or_try_init(py, || certificate_object(py, certificate))?;
+        Ok(Some(object.clone_ref(py)))
+    }
+
+    #[getter]
+    fn ray(&self, py: Python<'_>) -> PyResult<Option<Py<PyAny>>> {
+        let Some(ray) = &self.inner.ray else { return Ok(None) };
+        Ok(Some(self.ray.get_or_try_init(py, || ray_object(py, ray))?.clone_ref(py)))
+    }
+
+    #[getter]
+    fn message(&self) -> &str {
+        &self.inner.message
+    }
+
+    #[getter]
+    fn time(&self) -> f64 {
+        self.time
+    }
+
+    #[getter]
+    fn trace(&self, py: Python<'_>) -> Option<Py<PyAny>> {
+        self.trace.as_ref().map(|trace| trace.clone_ref(py))
+    }
+
+    fn __repr__(&self) -> String {
+        let inner = &self.inner;
+        format!(
+            "Solution({}, method={:?}, n={}, iterations={}, residual={:.2e}, natural_residual={:.2e})",
+            inner.status.as_str(),
+            inner.method,
+            inner.z.len(),
+            inner.iterations,
+            inner.residual,
+            inner.natural_residual
+        )
+    }
+
+    /// Pickled as a plain record that answers to the same names.
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        slf.py().import("lcpstar.result")?.call_method1("_reduce", (slf,))
+    }
+}

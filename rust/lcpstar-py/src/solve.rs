@@ -1,0 +1,115 @@
+//! `solve` and `ppt`.
+
+use lcpstar::driver::{self, Method, Settings};
+use lcpstar::methods::{block_pivoting, lemke, lemke_howson};
+use lcpstar::{Control, Lcp, LcpError};
+use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
+use pyo3::prelude::*;
+use std::time::{Duration, Instant};
+
+use crate::arrays::{index_set, square, to_lcp, vector};
+use crate::errors::{Signals, enter_core, to_python};
+use crate::solution::PySolution;
+
+/// Attributes of `lcpstar.LemkeOptions`; `None` means the core's default.
+#[derive(FromPyObject)]
+struct LemkeOptions<'py> {
+    d: Option<PyReadonlyArray1<'py, f64>>,
+    restarts: Option<usize>,
+    seed: Option<u64>,
+}
+
+/// Attributes of `lcpstar.LemkeHowsonOptions`.
+#[derive(FromPyObject)]
+struct LemkeHowsonOptions {
+    label: Option<usize>,
+}
+
+/// Attributes of `lcpstar.BlockPivotingOptions`.
+#[derive(FromPyObject)]
+struct BlockPivotingOptions {
+    patience: Option<usize>,
+    alpha: Option<Vec<i64>>,
+}
+
+/// The method of that name with the options that were set.
+fn method(py: Python<'_>, name: &str, options: Option<&Bound<'_, PyAny>>, n: usize) -> PyResult<Method> {
+    let mut method = Method::from_name(name).map_err(|e| to_python(py, &e))?;
+    let Some(options) = options else { return Ok(method) };
+    match &mut method {
+        Method::Auto => {}
+        Method::Lemke { settings: lemke::Settings { d }, restarts, seed } => {
+            let given: LemkeOptions<'_> = options.extract()?;
+            *d = given.d.as_ref().map(vector);
+            *restarts = given.restarts.unwrap_or(*restarts);
+            *seed = given.seed.unwrap_or(*seed);
+        }
+        Method::LemkeHowson(lemke_howson::Settings { label }) => {
+            let given: LemkeHowsonOptions = options.extract()?;
+            *label = given.label.unwrap_or(*label);
+        }
+        Method::BlockPivoting(block_pivoting::Settings { patience, alpha }) => {
+            let given: BlockPivotingOptions = options.extract()?;
+            *patience = given.patience.unwrap_or(*patience);
+            *alpha = given.alpha.map(|alpha| index_set(py, "alpha", &alpha, n)).transpose()?;
+        }
+    }
+    Ok(method)
+}
+
+/// Solves LCP(q, A); arguments already coerced by `lcpstar.solve`.
+#[pyfunction]
+#[pyo3(signature = (a, q, method_name, tol, max_iterations, time_limit, z0, options))]
+pub fn solve(
+    py: Python<'_>,
+    a: PyReadonlyArray2<'_, f64>,
+    q: PyReadonlyArray1<'_, f64>,
+    method_name: &str,
+    tol: f64,
+    max_iterations: Option<usize>,
+    time_limit: Option<f64>,
+    z0: Option<PyReadonlyArray1<'_, f64>>,
+    options: Option<&Bound<'_, PyAny>>,
+) -> PyResult<PySolution> {
+    let start = Instant::now();
+    let lcp = to_lcp(py, &a, &q)?;
+    let method = method(py, method_name, options, lcp.n())?;
+    let settings = Settings { method, tol, z0: z0.as_ref().map(vector) };
+    let signals = Signals::new();
+    let control = Control {
+        max_iterations,
+        deadline: deadline(py, start, time_limit)?,
+        interrupted: Some(&|| signals.interrupted()),
+    };
+    let solution = enter_core(py, || driver::solve(&lcp, &settings, &control))?;
+    signals.raise()?;
+    Ok(PySolution::new(solution, start.elapsed().as_secs_f64()))
+}
+
+/// When to stop; a time limit too long to express is none.
+pub fn deadline(py: Python<'_>, start: Instant, time_limit: Option<f64>) -> PyResult<Option<Instant>> {
+    match time_limit {
+        None => Ok(None),
+        Some(value) if value > 0.0 => {
+            Ok(Duration::try_from_secs_f64(value).ok().and_then(|limit| start.checked_add(limit)))
+        }
+        Some(value) => Err(to_python(py, &LcpError::OutOfRange { name: "time_limit", value, rule: "positive" })),
+    }
+}
+
+/// The principal pivot transform of (A, q).
+#[pyfunction]
+pub fn ppt<'py>(
+    py: Python<'py>,
+    a: PyReadonlyArray2<'py, f64>,
+    alpha: Vec<i64>,
+    q: Option<PyReadonlyArray1<'py, f64>>,
+) -> PyResult<(Bound<'py, PyArray2<f64>>, Bound<'py, PyArray1<f64>>)> {
+    let (n, a) = square(py, "A", &a)?;
+    let q = q.as_ref().map_or_else(|| vec![0.0; n], vector);
+    let alpha = index_set(py, "alpha", &alpha, n)?;
+    let transformed =
+        enter_core(py, || lcpstar::pivoting::transform::principal_pivot_transform(&Lcp::new(n, a, q)?, &alpha))?;
+    let m = PyArray1::from_slice(py, transformed.a()).reshape([n, n])?;
+    Ok((m, PyArray1::from_slice(py, transformed.q())))
+}

@@ -1,0 +1,172 @@
+//! One problem in, one verified solution out: equilibrate, run a method or the portfolio, certify.
+
+mod portfolio;
+
+use crate::certify::certify;
+use crate::control::Control;
+use crate::error::{LcpError, Result};
+use crate::methods::{block_pivoting, lemke, lemke_howson};
+use crate::problem::{Lcp, check_finite};
+use crate::scaling::Equilibrated;
+use crate::solution::{Candidate, Solution};
+
+/// The method and its options. Vectors (`d`) are in the caller's units.
+#[derive(Clone, Debug)]
+pub enum Method {
+    /// The documented portfolio: see [`portfolio`].
+    Auto,
+    /// Lemke's method; without a covering vector of the caller's, restarted with others after a failure.
+    Lemke {
+        /// The covering vector, or the default of ones on the equilibrated problem.
+        settings: lemke::Settings,
+        /// Restarts with other covering vectors (only when none was given).
+        restarts: usize,
+        /// Seed of the random covering vectors.
+        seed: u64,
+    },
+    /// The Lemke-Howson method for bimatrix structure.
+    LemkeHowson(lemke_howson::Settings),
+    /// Block principal pivoting for P-matrices.
+    BlockPivoting(block_pivoting::Settings),
+}
+
+/// Restarts of Lemke's method with random covering vectors, unless the caller says otherwise.
+pub const DEFAULT_RESTARTS: usize = 6;
+
+impl Method {
+    /// Names accepted by [`Method::from_name`].
+    pub const NAMES: &'static [&'static str] = &["auto", "lemke", "lemke_howson", "block_pivoting"];
+
+    /// The method of that name with its default options.
+    ///
+    /// # Errors
+    /// `UnknownName`.
+    pub fn from_name(name: &str) -> Result<Self> {
+        match name {
+            "auto" => Ok(Self::Auto),
+            "lemke" => Ok(Self::Lemke { settings: lemke::Settings::default(), restarts: DEFAULT_RESTARTS, seed: 0 }),
+            "lemke_howson" => Ok(Self::LemkeHowson(lemke_howson::Settings::default())),
+            "block_pivoting" => Ok(Self::BlockPivoting(block_pivoting::Settings::default())),
+            _ => Err(LcpError::UnknownName { name: "method", value: name.to_owned(), choices: Self::NAMES }),
+        }
+    }
+}
+
+/// What `solve` needs to know beside the problem.
+#[derive(Clone, Debug)]
+pub struct Settings {
+    /// The method.
+    pub method: Method,
+    /// Bound on the equilibrated residual of a solved problem, in `(0, 1)`.
+    pub tol: f64,
+    /// A guess: only its support is used by pivoting methods.
+    pub z0: Option<Vec<f64>>,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self { method: Method::Auto, tol: 1e-9, z0: None }
+    }
+}
+
+/// Solves LCP(q, A) and verifies the answer against the caller's numbers.
+///
+/// # Errors
+/// Only for a broken promise of the caller: a wrong length, a number that is not finite, an option out of range.
+pub fn solve(lcp: &Lcp, settings: &Settings, control: &Control<'_>) -> Result<Solution> {
+    check(lcp, settings)?;
+    let problem = Equilibrated::new(lcp);
+    if let Some(solution) = trivial(&problem, settings.tol) {
+        return Ok(solution);
+    }
+    if let Some(solution) = warm(&problem, settings) {
+        return Ok(solution);
+    }
+    let scaled = &problem.lcp;
+    Ok(match &settings.method {
+        Method::Auto => portfolio::auto(&problem, settings, control),
+        Method::Lemke { settings: options, restarts, seed } => match &options.d {
+            Some(d) => {
+                let options = lemke::Settings { d: Some(problem.scaling.w_from_caller(d)) };
+                certify(&problem, lemke::lemke::<f64>(scaled, &options, control), "lemke", settings.tol)
+            }
+            None => portfolio::lemke(&problem, *restarts, *seed, settings.tol, control),
+        },
+        Method::LemkeHowson(options) => {
+            certify(&problem, lemke_howson::lemke_howson(scaled, options, control), "lemke_howson", settings.tol)
+        }
+        Method::BlockPivoting(options) => {
+            let mut options = options.clone();
+            options.alpha = options.alpha.or_else(|| settings.z0.as_deref().map(support));
+            certify(&problem, block_pivoting::block_pivoting(scaled, &options, control), "block_pivoting", settings.tol)
+        }
+    })
+}
+
+/// Sizes and ranges of everything beside the problem itself.
+fn check(lcp: &Lcp, settings: &Settings) -> Result<()> {
+    let n = lcp.n();
+    if !(settings.tol > 0.0 && settings.tol < 1.0) {
+        return Err(LcpError::OutOfRange { name: "tol", value: settings.tol, rule: "in (0, 1)" });
+    }
+    if let Some(z0) = &settings.z0 {
+        check_vector("z0", z0, n)?;
+        if let Some(index) = z0.iter().position(|&x| x < 0.0) {
+            return Err(LcpError::Negative { name: "z0", index, value: z0[index] });
+        }
+    }
+    match &settings.method {
+        Method::Lemke { settings: lemke::Settings { d: Some(d) }, .. } => {
+            check_vector("d", d, n)?;
+            match d.iter().position(|&x| x <= 0.0) {
+                Some(index) => Err(LcpError::NonPositive { name: "d", index, value: d[index] }),
+                None => Ok(()),
+            }
+        }
+        Method::LemkeHowson(options) if options.label >= n && n > 0 => {
+            let index = i64::try_from(options.label).unwrap_or(i64::MAX);
+            Err(LcpError::BadIndex { name: "label", index, n, repeated: false })
+        }
+        Method::BlockPivoting(block_pivoting::Settings { alpha: Some(alpha), .. }) => {
+            match alpha.iter().find(|&&i| i >= n) {
+                Some(&i) => {
+                    let index = i64::try_from(i).unwrap_or(i64::MAX);
+                    Err(LcpError::BadIndex { name: "alpha", index, n, repeated: false })
+                }
+                None => Ok(()),
+            }
+        }
+        _ => Ok(()),
+    }
+}
+
+fn check_vector(name: &'static str, v: &[f64], n: usize) -> Result<()> {
+    if v.len() != n {
+        return Err(LcpError::WrongLength { name, expected: n, found: v.len() });
+    }
+    check_finite(name, v)
+}
+
+/// `q >= 0`: z = 0 solves the problem, whatever A is.
+fn trivial(problem: &Equilibrated<'_>, tol: f64) -> Option<Solution> {
+    problem.original.q().iter().all(|&q| q >= 0.0).then(|| {
+        let z = vec![0.0; problem.lcp.n()];
+        let candidate =
+            Candidate { alpha: Some(vec![]), ..Candidate::point(z, crate::Termination::ComplementaryBasis, 0) };
+        certify(problem, candidate, "trivial", tol)
+    })
+}
+
+/// The support of `z0` is tried as it is: right, it costs one factorisation and no pivot.
+fn warm(problem: &Equilibrated<'_>, settings: &Settings) -> Option<Solution> {
+    let alpha = support(settings.z0.as_deref()?);
+    let z = crate::pivoting::basis::basic_point(&problem.lcp, &alpha)?;
+    let candidate = Candidate { alpha: Some(alpha), ..Candidate::point(z, crate::Termination::ComplementaryBasis, 0) };
+    let solution = certify(problem, candidate, "warm_start", settings.tol);
+    (solution.status == crate::Status::Solved).then_some(solution)
+}
+
+/// Indices of the positive entries.
+fn support(z: &[f64]) -> Vec<usize> {
+    (0..z.len()).filter(|&i| z[i] > 0.0).collect()
+}

@@ -1,0 +1,144 @@
+//! The portfolio: which methods are tried, in which order, and what is reported when none succeeds.
+//!
+//! Deterministic; the first member whose point is certified (solved, or infeasible with a checked Farkas vector) answers
+//! and is named in the result. A member that fails costs its pivot budget, never the answer.
+
+use super::{Method, Settings, support};
+use crate::certify::certify;
+use crate::control::Control;
+use crate::linalg::dd::Dd;
+use crate::methods::{block_pivoting, lemke, lemke_howson};
+use crate::scaling::Equilibrated;
+use crate::solution::{Candidate, Solution};
+use crate::status::Status;
+
+/// Order from which block pivoting is tried first: below it a few Lemke pivots cost less than one factorisation.
+const BLOCK_PIVOTING_FROM: usize = 24;
+/// Largest order at which a dictionary in double-double arithmetic is still worth its 20-fold cost.
+const DOUBLE_DOUBLE_UP_TO: usize = 400;
+
+/// The members tried so far: their pivots, and the best answer that is not final.
+struct Race<'a> {
+    problem: &'a Equilibrated<'a>,
+    tol: f64,
+    control: Control<'a>,
+    iterations: usize,
+    members: usize,
+    best: Option<Solution>,
+}
+
+impl<'a> Race<'a> {
+    fn new(problem: &'a Equilibrated<'a>, tol: f64, control: &Control<'a>) -> Self {
+        Self { problem, tol, control: *control, iterations: 0, members: 0, best: None }
+    }
+
+    /// Runs one member with what is left of the caller's limits. `true` when its answer is final.
+    fn run(&mut self, name: &'static str, method: impl FnOnce(&Control<'_>) -> Candidate) -> bool {
+        let left = self.control.max_iterations.map(|limit| limit.saturating_sub(self.iterations));
+        if self.members > 0 && (left == Some(0) || self.control.expired().is_some()) {
+            return true;
+        }
+        let mut solution = certify(self.problem, method(&self.control.with_max_iterations(left)), name, self.tol);
+        self.iterations += solution.iterations;
+        self.members += 1;
+        solution.iterations = self.iterations;
+        let is_final = matches!(solution.status, Status::Solved | Status::Infeasible);
+        if is_final || self.best.as_ref().is_none_or(|best| rank(&solution) < rank(best)) {
+            self.best = Some(solution);
+        }
+        is_final
+    }
+
+    fn finish(self) -> Solution {
+        let mut solution = self.best.expect("invariant: every race runs its first member");
+        solution.iterations = self.iterations;
+        if self.members > 1 && !matches!(solution.status, Status::Solved | Status::Infeasible) {
+            solution.message = format!("{} ({} attempts)", solution.message, self.members);
+        }
+        solution
+    }
+}
+
+/// Which of two unsolved results to report: a limit that was hit says most, then a ray, then a breakdown; then the residual.
+fn rank(solution: &Solution) -> (u8, f64) {
+    let class = match solution.status {
+        Status::Solved | Status::Infeasible => 0,
+        Status::TimeLimit | Status::MaxIterations => 1,
+        Status::SecondaryRay => 2,
+        Status::NumericalBreakdown => 3,
+    };
+    (class, solution.residual)
+}
+
+/// Lemke with d = e, then double-doubles, then random covering vectors.
+pub(super) fn lemke(
+    problem: &Equilibrated<'_>,
+    restarts: usize,
+    seed: u64,
+    tol: f64,
+    control: &Control<'_>,
+) -> Solution {
+    let mut race = Race::new(problem, tol, control);
+    lemke_members(&mut race, restarts, seed);
+    race.finish()
+}
+
+/// See the module. Members: block pivoting (P-like), Lemke-Howson (bimatrix), Lemke and its restarts.
+pub(super) fn auto(problem: &Equilibrated<'_>, settings: &Settings, control: &Control<'_>) -> Solution {
+    let mut race = Race::new(problem, settings.tol, control);
+    let lcp = &problem.lcp;
+    let n = lcp.n();
+    let positive_diagonal = (0..n).all(|i| lcp.row(i)[i] > 0.0);
+    if n >= BLOCK_PIVOTING_FROM && positive_diagonal {
+        let options = block_pivoting::Settings {
+            alpha: settings.z0.as_deref().map(support),
+            ..block_pivoting::Settings::default()
+        };
+        let found = race.run("block_pivoting", |control| {
+            let limit = control.max_iterations.unwrap_or(usize::MAX).min(BLOCK_PIVOTING_BUDGET);
+            block_pivoting::block_pivoting(lcp, &options, &control.with_max_iterations(Some(limit)))
+        });
+        if found {
+            return race.finish();
+        }
+    }
+    if lemke_howson::bimatrix_split(lcp).is_some() {
+        for label in [0, n / 2, n - 1] {
+            let options = lemke_howson::Settings { label };
+            if race.run("lemke_howson", |control| lemke_howson::lemke_howson(lcp, &options, control)) {
+                return race.finish();
+            }
+        }
+    }
+    if let Method::Auto = settings.method {
+        lemke_members(&mut race, super::DEFAULT_RESTARTS, 0);
+    }
+    race.finish()
+}
+
+/// Factorisations granted to block pivoting before the portfolio moves on.
+const BLOCK_PIVOTING_BUDGET: usize = 25;
+
+/// `true` when one of them gave the final answer.
+fn lemke_members(race: &mut Race<'_>, restarts: usize, seed: u64) -> bool {
+    let lcp = &race.problem.lcp;
+    let n = lcp.n();
+    let plain = lemke::Settings::default();
+    if race.run("lemke", |control| lemke::lemke::<f64>(lcp, &plain, control)) {
+        return true;
+    }
+    let mut random = fastrand::Rng::with_seed(seed);
+    for restart in 0..restarts {
+        // (0.1, 1.1)^n: any fixed d can be attacked, a random one needs few pivots on Murty's and Fathi's examples.
+        let d = (0..n).map(|_| 0.1 + random.f64()).collect();
+        let options = lemke::Settings { d: Some(d) };
+        if race.run("lemke_random_d", |control| lemke::lemke::<f64>(lcp, &options, control)) {
+            return true;
+        }
+        let in_double_double = restart == 0 && n <= DOUBLE_DOUBLE_UP_TO;
+        if in_double_double && race.run("lemke_double_double", |control| lemke::lemke::<Dd>(lcp, &plain, control)) {
+            return true;
+        }
+    }
+    false
+}

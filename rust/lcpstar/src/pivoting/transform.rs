@@ -1,0 +1,111 @@
+//! The principal pivot transform of (A, q). [CPS92, sec. 2.3]
+
+use crate::error::{LcpError, Result};
+use crate::linalg::backend::{DenseLu, rank};
+use crate::pivoting::basis::principal_block;
+use crate::problem::Lcp;
+use crate::scaling::{Equilibrated, times_power_of_two};
+
+/// LCP(p, M): the principal pivot transform of LCP(q, A) on `alpha`, in which `w_alpha` and `z_alpha` trade places:
+///
+/// `M_aa = A_aa^-1`, `M_ab = -A_aa^-1 A_ab`, `M_ba = A_ba A_aa^-1`, `M_bb = A_bb - A_ba A_aa^-1 A_ab`,
+/// `p_a = -A_aa^-1 q_a`, `p_b = q_b - A_ba A_aa^-1 q_a` with `b` the complement of `a = alpha`. O(n^2 |alpha|).
+///
+/// # Errors
+/// `BadIndex` for an index out of range or repeated; `SingularBlock` when `A[alpha, alpha]` is singular to rounding
+/// (rank by complete pivoting on the equilibrated block, threshold `|alpha| EPS`).
+pub fn principal_pivot_transform(lcp: &Lcp, alpha: &[usize]) -> Result<Lcp> {
+    let n = lcp.n();
+    let mut in_alpha = vec![false; n];
+    for &i in alpha {
+        let repeated = in_alpha.get(i).copied().unwrap_or(false);
+        if i >= n || repeated {
+            return Err(LcpError::BadIndex { name: "alpha", index: i64::try_from(i).unwrap_or(i64::MAX), n, repeated });
+        }
+        in_alpha[i] = true;
+    }
+    let beta: Vec<usize> = (0..n).filter(|&i| !in_alpha[i]).collect();
+    let k = alpha.len();
+
+    // The block is factored in its own equilibrated units: powers of two, so nothing is rounded on the way.
+    let zeros = vec![0.0; k];
+    let block_lcp = Lcp::trusted(k, principal_block(lcp, alpha), zeros);
+    let block = Equilibrated::new(&block_lcp);
+    let (rows, columns) = (&block.scaling.rows, &block.scaling.columns);
+    let found = rank(k, block.lcp.a());
+    if found < k {
+        return Err(LcpError::SingularBlock { alpha: alpha.to_vec(), rank: found });
+    }
+    let lu = DenseLu::new(k, block.lcp.a())
+        .ok_or_else(|| LcpError::SingularBlock { alpha: alpha.to_vec(), rank: found.min(k.saturating_sub(1)) })?;
+
+    // X = A_aa^-1 [I | A_ab | q_a], by one multiple solve; k rows, n + 1 columns.
+    let m = n + 1;
+    let mut rhs = vec![0.0; k * m];
+    for (r, &i) in alpha.iter().enumerate() {
+        let scale = |x: f64| times_power_of_two(x, rows[r]);
+        rhs[r * m + r] = scale(1.0);
+        for (c, &j) in beta.iter().enumerate() {
+            rhs[r * m + k + c] = scale(lcp.row(i)[j]);
+        }
+        rhs[r * m + n] = scale(lcp.q()[i]);
+    }
+    let mut x = lu.solve_many(&rhs, m);
+    for (r, row) in x.chunks_exact_mut(m).enumerate() {
+        row.iter_mut().for_each(|x| *x = times_power_of_two(*x, columns[r]));
+    }
+
+    let (mut a, mut p) = (vec![0.0; n * n], vec![0.0; n]);
+    for (r, &i) in alpha.iter().enumerate() {
+        let row = &x[r * m..(r + 1) * m];
+        for (c, &j) in alpha.iter().enumerate() {
+            a[i * n + j] = row[c];
+        }
+        for (c, &j) in beta.iter().enumerate() {
+            a[i * n + j] = -row[k + c];
+        }
+        p[i] = -row[n];
+    }
+    for &i in &beta {
+        // (A_ia X) gives M_ia, and what is subtracted from A_ib and q_i.
+        let mut product = vec![0.0; m];
+        for (r, &l) in alpha.iter().enumerate() {
+            crate::linalg::kernels::axpy(lcp.row(i)[l], &x[r * m..(r + 1) * m], &mut product);
+        }
+        for (c, &j) in alpha.iter().enumerate() {
+            a[i * n + j] = product[c];
+        }
+        for (c, &j) in beta.iter().enumerate() {
+            a[i * n + j] = lcp.row(i)[j] - product[k + c];
+        }
+        p[i] = lcp.q()[i] - product[n];
+    }
+    Lcp::new(n, a, p)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn example_5_of_the_paper() {
+        // A^-1 as the paper prints it, det A = -3.
+        let a = vec![0.0, 1.0, 1.0, 2.0, 0.0, 1.0, -1.0, -1.0, 0.0];
+        let lcp = Lcp::new(3, a, vec![1.0, 2.0, 3.0]).expect("valid");
+        let m = principal_pivot_transform(&lcp, &[0, 1, 2]).expect("nonsingular");
+        let expected = [-1.0, 1.0, -1.0, 1.0, -1.0, -2.0, 2.0, 1.0, 2.0].map(|x| x / 3.0);
+        for (found, expected) in m.a().iter().zip(expected) {
+            assert!((found - expected).abs() < 1e-15, "{found} {expected}");
+        }
+    }
+
+    #[test]
+    fn singular_block_is_named() {
+        let lcp = Lcp::new(3, vec![0.1, 0.2, 1.0, 0.3, 0.6, 1.0, 1.0, 1.0, 1.0], vec![0.0; 3]).expect("valid");
+        let error = principal_pivot_transform(&lcp, &[0, 1]).expect_err("rank 1");
+        assert_eq!(error, LcpError::SingularBlock { alpha: vec![0, 1], rank: 1 });
+        assert!(principal_pivot_transform(&lcp, &[]).is_ok());
+        assert!(matches!(principal_pivot_transform(&lcp, &[1, 1]), Err(LcpError::BadIndex { repeated: true, .. })));
+        assert!(matches!(principal_pivot_transform(&lcp, &[3]), Err(LcpError::BadIndex { repeated: false, .. })));
+    }
+}
