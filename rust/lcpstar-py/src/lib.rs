@@ -3,6 +3,7 @@
 use pyo3::prelude::*;
 
 mod arrays;
+mod batch;
 mod errors;
 mod solution;
 mod solve;
@@ -12,6 +13,8 @@ mod solve;
 mod _core {
     use super::*;
 
+    #[pymodule_export]
+    use crate::batch::{batch_methods, solve_batch};
     #[pymodule_export]
     use crate::solution::PySolution;
     #[pymodule_export]

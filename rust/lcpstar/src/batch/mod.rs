@@ -15,3 +15,4 @@ mod work;
 
 pub use io::{Alpha, Guess, Output, Problems, Settings, Source};
 pub use schedule::solve_batch;
+pub use work::METHODS;

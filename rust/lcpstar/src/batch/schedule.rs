@@ -2,7 +2,7 @@
 
 use super::io::{Output, Problems, Settings};
 use super::work::{Chunk, work};
-use crate::error::Result;
+use crate::error::{LcpError, Result};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
 
@@ -61,4 +61,18 @@ pub fn solve_batch(problems: &Problems<'_, f64>, settings: &Settings<'_>, output
         })
     })?;
     Ok(!stopped.load(Ordering::Relaxed))
+}
+
+/// The error of the problem that comes first in the batch. Chunks are taken in order, so every problem before it was
+/// looked at: the same error is reported whatever the number of threads.
+fn earlier(a: Result<()>, b: Result<()>) -> Result<()> {
+    let place = |error: &LcpError| match error {
+        LcpError::NotFinite { index, .. } => index.first().copied().unwrap_or(0),
+        _ => 0,
+    };
+    match (a, b) {
+        (Err(a), Err(b)) => Err(if place(&b) < place(&a) { b } else { a }),
+        (Err(error), Ok(())) | (Ok(()), Err(error)) => Err(error),
+        (Ok(()), Ok(())) => Ok(()),
+    }
 }

@@ -5,7 +5,10 @@ use super::lane::{F64x8, Lane, Mask};
 use super::lemke::{Stop, Tableau};
 use super::newton::{Tile, newton, refine};
 use super::verify::{Judged, verify, verify_one};
+use crate::control::Control;
+use crate::driver;
 use crate::error::{LcpError, Result};
+use crate::problem::Lcp;
 use crate::status::Status;
 use multiversion::multiversion;
 
@@ -16,9 +19,16 @@ pub const LANE_ORDER: usize = 32;
 pub const TABLEAU_ORDER: usize = 192;
 
 /// Names of the methods in [`Output::method`](super::Output::method).
-pub const METHODS: [&str; 2] = ["newton", "lemke"];
+pub const METHODS: [&str; 7] =
+    ["newton", "lemke", "auto", "trivial", "block_pivoting", "lemke_howson", "interior_point"];
 const NEWTON: u8 = 0;
 const LEMKE: u8 = 1;
+const AUTO: u8 = 2;
+
+/// The place of a name of the general solver in [`METHODS`].
+fn method_code(name: &str) -> u8 {
+    METHODS.iter().position(|&known| known == name).map_or(AUTO, |i| i as u8)
+}
 
 /// Factorisations after which a lane goes on to Lemke's method.
 const FACTORISATIONS: usize = 8;
@@ -34,7 +44,11 @@ pub struct Chunk<'a> {
 
 /// Takes chunks from `next` until there is none. The error, if any, is that of the first bad problem of a chunk.
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw+avx2+fma", "x86_64+avx2+fma", "aarch64+neon"))]
-pub fn work<'a>(problems: &Problems<'a, f64>, settings: &Settings<'a>, next: &(dyn Fn() -> Option<Chunk<'a>> + Sync)) -> Result<()> {
+pub fn work<'a>(
+    problems: &Problems<'_, f64>,
+    settings: &Settings<'_>,
+    next: &(dyn Fn() -> Option<Chunk<'a>> + Sync),
+) -> Result<()> {
     if cfg!(target_arch = "aarch64") || multiversion::target::target_cfg_f!(target_feature = "fma") {
         run::<F64x8<true>>(problems, settings, next)
     } else {
@@ -43,10 +57,10 @@ pub fn work<'a>(problems: &Problems<'a, f64>, settings: &Settings<'a>, next: &(d
 }
 
 #[inline(always)]
-fn run<X: Lane<Number = f64>>(
+fn run<'a, X: Lane<Number = f64>>(
     problems: &Problems<'_, f64>,
     settings: &Settings<'_>,
-    next: &dyn Fn() -> Option<Chunk<'_>>,
+    next: &(dyn Fn() -> Option<Chunk<'a>> + Sync),
 ) -> Result<()> {
     let n = problems.n;
     let mut worker = Worker::<X>::new(n);
@@ -203,6 +217,8 @@ impl<X: Lane<Number = f64>> Worker<X> {
     #[inline(always)]
     fn one_by_one(&mut self, problems: &Problems<'_, f64>, settings: &Settings<'_>, chunk: &mut Chunk<'_>) -> Result<()> {
         let n = self.n;
+        let general = driver::Settings { tol: settings.tol, ..driver::Settings::default() };
+        let control = Control { interrupted: settings.interrupted, ..Control::default() };
         for &k in &self.left_over {
             let (a, q) = problems.get(chunk.first + k);
             self.a.copy_from_slice(a);
@@ -223,12 +239,13 @@ impl<X: Lane<Number = f64>> Worker<X> {
                     continue;
                 }
             }
-            let solution =
-                super::general::solve(n, &self.a, &self.q, settings).map_err(|e| in_batch(e, chunk.first + k))?;
+            let solution = Lcp::new(n, self.a.clone(), self.q.clone())
+                .and_then(|lcp| driver::solve(&lcp, &general, &control))
+                .map_err(|error| in_batch(error, chunk.first + k))?;
             output.z[range.clone()].copy_from_slice(&solution.z);
             output.w[range].copy_from_slice(&solution.w);
             output.status[k] = solution.status as u8;
-            output.method[k] = LEMKE;
+            output.method[k] = method_code(solution.method);
             output.iterations[k] = u32::try_from(solution.iterations).unwrap_or(u32::MAX);
             output.residual[k] = solution.residual;
             output.natural_residual[k] = solution.natural_residual;

@@ -1,0 +1,73 @@
+//! One small problem at a time, without a single allocation: the fast path of `solve`.
+
+use super::lemke::Tableau;
+use super::work::by_tableau;
+use multiversion::multiversion;
+use std::cell::RefCell;
+
+/// Largest order that [`solve_one`] takes.
+pub const TINY_ORDER: usize = 32;
+
+/// A verified solution.
+#[derive(Clone, Copy, Debug)]
+pub struct TinySolution {
+    /// Order.
+    pub n: usize,
+    z: [f64; TINY_ORDER],
+    w: [f64; TINY_ORDER],
+    /// Bit i: z_i is basic.
+    pub alpha: u64,
+    /// Pivots.
+    pub iterations: usize,
+    /// Bound of the scale-free residual, at most `tol`.
+    pub residual: f64,
+    /// Bound of the natural residual in the caller's units.
+    pub natural_residual: f64,
+}
+
+impl TinySolution {
+    /// The solution.
+    #[must_use]
+    pub fn z(&self) -> &[f64] {
+        &self.z[..self.n]
+    }
+
+    /// `A z + q`.
+    #[must_use]
+    pub fn w(&self) -> &[f64] {
+        &self.w[..self.n]
+    }
+}
+
+thread_local! {
+    static TABLEAU: RefCell<Tableau> = RefCell::default();
+}
+
+/// Solves and verifies LCP(q, A) by Lemke's method, `a` row-major. O(n^2) a pivot; after the first call on a thread for
+/// the largest n, nothing is allocated.
+///
+/// `None` says nothing about the problem (n too large, a ray, a number that is not finite, an answer that could not be
+/// verified at once): ask the general solver.
+#[must_use]
+pub fn solve_one(n: usize, a: &[f64], q: &[f64], tol: f64) -> Option<TinySolution> {
+    if n > TINY_ORDER || a.len() != n * n || q.len() != n {
+        return None;
+    }
+    TABLEAU.with_borrow_mut(|tableau| solve_in(tableau, n, a, q, tol))
+}
+
+#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw+avx2+fma", "x86_64+avx2+fma", "aarch64+neon"))]
+fn solve_in(tableau: &mut Tableau, n: usize, a: &[f64], q: &[f64], tol: f64) -> Option<TinySolution> {
+    let (mut z, mut w) = ([0.0; TINY_ORDER], [0.0; TINY_ORDER]);
+    let judged = by_tableau(tableau, n, a, q, &mut z[..n], &mut w[..n], tol)?;
+    let alpha = (0..n).fold(0, |mask, i| mask | u64::from(tableau.is_basic(i)) << i);
+    Some(TinySolution {
+        n,
+        z,
+        w,
+        alpha,
+        iterations: tableau.pivots,
+        residual: judged.residual,
+        natural_residual: judged.natural_residual,
+    })
+}
