@@ -257,6 +257,43 @@ macro_rules! lanes {
     };
 }
 
+impl<const FUSED: bool> F64x8<FUSED> {
+    /// The first numbers of `x`, then zeros.
+    #[inline(always)]
+    pub fn from_slice(x: &[f64]) -> Self {
+        let mut out = Self([0.0; 8]);
+        match x.first_chunk::<8>() {
+            Some(whole) => out.0 = *whole,
+            None => out.0[..x.len()].copy_from_slice(x),
+        }
+        out
+    }
+
+    /// The largest lane.
+    #[inline(always)]
+    pub fn fold_max(self) -> f64 {
+        self.fold(|a, b| if a > b { a } else { b })
+    }
+
+    /// The smallest lane.
+    #[inline(always)]
+    pub fn fold_min(self) -> f64 {
+        self.fold(|a, b| if a < b { a } else { b })
+    }
+
+    /// The sum of the lanes, in pairs.
+    #[inline(always)]
+    pub fn fold_sum(self) -> f64 {
+        self.fold(|a, b| a + b)
+    }
+
+    #[inline(always)]
+    fn fold(self, f: impl Fn(f64, f64) -> f64) -> f64 {
+        let x = self.0;
+        f(f(f(x[0], x[4]), f(x[1], x[5])), f(f(x[2], x[6]), f(x[3], x[7])))
+    }
+}
+
 lanes!(
     /// Eight doubles: one AVX-512 register, two of AVX2.
     F64x8, M64x8, f64, u64, 8

@@ -9,15 +9,10 @@
 //! accident, which is what a lexicographic rule is for otherwise. Among tied rows the one holding z_0 wins, then the
 //! largest pivot.
 
+use super::lane::{F64x8, Lane};
+
 /// Numbers per row are padded to a multiple of this.
-const WIDTH: usize = 8;
-
-/// `WIDTH` numbers, aligned as the widest registers want them.
-#[derive(Clone, Copy, Debug)]
-#[repr(C, align(64))]
-struct Block([f64; WIDTH]);
-
-const ZERO: Block = Block([0.0; WIDTH]);
+const WIDTH: usize = F64x8::<true>::LANES;
 
 /// Who sits in a row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -44,18 +39,24 @@ const PIVOT_TOLERANCE: f64 = 1e-10;
 /// Ratios within this factor of the least one are tied.
 const TIE: f64 = 1.0 + 1e-11;
 
+/// A value that cancels to less than this part of itself is rounding error, and zero.
+const NOISE: f64 = 1e-14;
+
+/// A correction that leaves less than this part of a value shows that the value was rounding error.
+const CANCELLED: f64 = 1e-8;
+
 /// The tableau and what belongs to it; grows to the largest problem it has seen.
 #[derive(Debug, Default)]
-pub struct Tableau {
+pub struct Tableau<const FUSED: bool> {
     n: usize,
-    /// Blocks per row.
+    /// Vectors per row.
     width: usize,
-    t: Vec<Block>,
-    column: Vec<Block>,
-    rhs: Vec<Block>,
+    t: Vec<F64x8<FUSED>>,
+    column: Vec<F64x8<FUSED>>,
+    rhs: Vec<F64x8<FUSED>>,
     /// The new pivot row.
-    row: Vec<Block>,
-    ratio: Vec<Block>,
+    row: Vec<F64x8<FUSED>>,
+    ratio: Vec<F64x8<FUSED>>,
     basic: Vec<Basic>,
     /// Whether slot j holds z_j rather than w_j.
     holds_z: Vec<bool>,
@@ -63,18 +64,18 @@ pub struct Tableau {
     pub pivots: usize,
 }
 
-/// Number `i` of a vector of blocks.
+/// Number `i` of a padded vector.
 #[inline(always)]
-fn at(v: &[Block], i: usize) -> f64 {
-    v[i / WIDTH].0[i % WIDTH]
+fn at<const FUSED: bool>(v: &[F64x8<FUSED>], i: usize) -> f64 {
+    v[i / WIDTH].get(i % WIDTH)
 }
 
 #[inline(always)]
-fn at_mut(v: &mut [Block], i: usize) -> &mut f64 {
-    &mut v[i / WIDTH].0[i % WIDTH]
+fn put<const FUSED: bool>(v: &mut [F64x8<FUSED>], i: usize, x: f64) {
+    v[i / WIDTH].set(i % WIDTH, x);
 }
 
-impl Tableau {
+impl<const FUSED: bool> Tableau<FUSED> {
     /// Runs the method on the row-major `a` and `q`, at most `limit` pivots. O(n^2) a pivot.
     #[inline(always)]
     pub fn solve(&mut self, n: usize, a: &[f64], q: &[f64], limit: usize) -> Stop {
@@ -105,35 +106,29 @@ impl Tableau {
     /// `w = q + A z + d z_0`, with z_0's column ready to drive.
     #[inline(always)]
     fn load(&mut self, n: usize, a: &[f64], q: &[f64]) {
-        let width = n.div_ceil(WIDTH);
+        let (width, zero) = (n.div_ceil(WIDTH), F64x8::splat(0.0));
         if n != self.n {
             self.n = n;
             self.width = width;
-            self.t.resize(n * width, ZERO);
+            self.t.resize(n * width, zero);
             for v in [&mut self.column, &mut self.rhs, &mut self.row, &mut self.ratio] {
-                v.resize(width, ZERO);
+                v.resize(width, zero);
             }
             self.basic.resize(n, Basic::Z0);
             self.holds_z.resize(n, true);
-            for v in [&mut self.t, &mut self.column, &mut self.rhs] {
-                v.fill(ZERO);
+            for v in [&mut self.column, &mut self.rhs] {
+                v.fill(zero);
             }
         }
         self.pivots = 0;
         for i in 0..n {
-            let source = &a[i * n..(i + 1) * n];
-            let target = &mut self.t[i * width..(i + 1) * width];
-            let (whole, rest) = source.as_chunks::<WIDTH>();
-            for (t, s) in target.iter_mut().zip(whole) {
-                t.0 = *s;
+            for (target, source) in
+                self.t[i * width..(i + 1) * width].iter_mut().zip(a[i * n..(i + 1) * n].chunks(WIDTH))
+            {
+                *target = F64x8::from_slice(source);
             }
-            if !rest.is_empty() {
-                let mut last = ZERO;
-                last.0[..rest.len()].copy_from_slice(rest);
-                target[width - 1] = last;
-            }
-            *at_mut(&mut self.rhs, i) = q[i];
-            *at_mut(&mut self.column, i) = spread(i);
+            put(&mut self.rhs, i, q[i]);
+            put(&mut self.column, i, spread(i));
             self.basic[i] = Basic::W(i);
             self.holds_z[i] = true;
         }
@@ -157,32 +152,27 @@ impl Tableau {
     fn exchange(&mut self, row: usize) {
         let (n, width) = (self.n, self.width);
         let reciprocal = 1.0 / at(&self.column, row);
-        let pivot = &mut self.t[row * width..(row + 1) * width];
-        for (p, t) in self.row.iter_mut().zip(pivot) {
-            for l in 0..WIDTH {
-                p.0[l] = -t.0[l] * reciprocal;
-                t.0[l] = 0.0;
-            }
+        let minus = F64x8::splat(-reciprocal);
+        let new = &mut self.row[..width];
+        for (p, t) in new.iter_mut().zip(&mut self.t[row * width..(row + 1) * width]) {
+            *p = t.mul(minus);
+            *t = F64x8::splat(0.0);
         }
-        let value = -at(&self.rhs, row) * reciprocal;
+        let value = F64x8::splat(-at(&self.rhs, row) * reciprocal);
         // Adding 1 times the new row to the zeroed old one writes it without a branch.
-        *at_mut(&mut self.rhs, row) = 0.0;
-        *at_mut(&mut self.column, row) = 1.0;
-        let new = &self.row[..width];
+        put(&mut self.rhs, row, 0.0);
+        put(&mut self.column, row, 1.0);
         for i in 0..n {
-            let f = at(&self.column, i);
-            let target = &mut self.t[i * width..(i + 1) * width];
-            for (t, p) in target.iter_mut().zip(new) {
-                for l in 0..WIDTH {
-                    t.0[l] += f * p.0[l];
-                }
+            let f = F64x8::splat(at(&self.column, i));
+            for (t, p) in self.t[i * width..(i + 1) * width].iter_mut().zip(&*new) {
+                *t = t.add_product(f, *p);
             }
         }
+        let (noise, reciprocal) = (F64x8::splat(NOISE), F64x8::splat(reciprocal));
         for (r, c) in self.rhs.iter_mut().zip(&mut self.column) {
-            for l in 0..WIDTH {
-                r.0[l] += c.0[l] * value;
-                c.0[l] *= reciprocal;
-            }
+            let sum = r.add_product(*c, value);
+            *r = sum.only(r.abs().mul(noise).lt(sum.abs()));
+            *c = c.mul(reciprocal);
         }
     }
 
@@ -191,7 +181,10 @@ impl Tableau {
     fn drive(&mut self, pair: usize, w_left: bool) -> Basic {
         let (block, lane) = (pair / WIDTH, pair % WIDTH);
         for i in 0..self.n {
-            std::mem::swap(&mut self.t[i * self.width + block].0[lane], at_mut(&mut self.column, i));
+            let t = &mut self.t[i * self.width + block];
+            let partner = t.get(lane);
+            t.set(lane, at(&self.column, i));
+            put(&mut self.column, i, partner);
         }
         self.holds_z[pair] = !w_left;
         if w_left { Basic::Z(pair) } else { Basic::W(pair) }
@@ -200,24 +193,15 @@ impl Tableau {
     /// The first row to reach zero as the driving variable grows.
     #[inline(always)]
     fn blocking_row(&mut self) -> Option<usize> {
-        let mut largest = [0.0; WIDTH];
-        for c in &self.column {
-            for l in 0..WIDTH {
-                let x = c.0[l].abs();
-                largest[l] = if x > largest[l] { x } else { largest[l] };
-            }
-        }
-        let tolerance = -PIVOT_TOLERANCE * largest.iter().fold(0.0, |m: f64, &x| m.max(x));
-        let mut least = [f64::INFINITY; WIDTH];
+        let (zero, infinity) = (F64x8::splat(0.0), F64x8::splat(f64::INFINITY));
+        let largest = self.column.iter().fold(zero, |m, c| m.max(c.abs())).fold_max();
+        let tolerance = F64x8::splat(-PIVOT_TOLERANCE * largest);
+        let mut least = infinity;
         for ((ratio, r), c) in self.ratio.iter_mut().zip(&self.rhs).zip(&self.column) {
-            for l in 0..WIDTH {
-                let value = if r.0[l] > 0.0 { r.0[l] } else { 0.0 };
-                let x = if c.0[l] < tolerance { value / -c.0[l] } else { f64::INFINITY };
-                ratio.0[l] = x;
-                least[l] = if x < least[l] { x } else { least[l] };
-            }
+            *ratio = r.max(zero).div(c.neg()).or_else(c.lt(tolerance), infinity);
+            least = ratio.min(least);
         }
-        let least = least.iter().fold(f64::INFINITY, |m: f64, &x| m.min(x));
+        let least = least.fold_min();
         if least == f64::INFINITY {
             return None;
         }
@@ -268,7 +252,7 @@ impl Tableau {
                     }
                 }
                 let x = z[j] - step;
-                z[j] = if x > 0.0 { x } else { 0.0 };
+                z[j] = if x > CANCELLED * z[j] { x } else { 0.0 };
             }
         }
     }

@@ -6,7 +6,7 @@
 //! `|q'| < 1`, `m'_i <= 2 n max|z'| + 1`; ratios `b_i / m_i` do not depend on the scaling, so
 //! `(2 n + 1) max_i b_i / m_i` bounds the scale-free residual without equilibrating.
 
-use super::lane::{Lane, Mask};
+use super::lane::{F64x8, Lane, Mask};
 
 /// Lane by lane: accepted or not, and bounds of both residuals.
 pub struct Verdict<X: Lane> {
@@ -74,12 +74,19 @@ pub fn verify<X: Lane, const N: usize>(n: usize, a: &[X], q: &[X], z: &[X], w: &
 
 /// [`verify`] for one problem in double precision, vectorised along the rows; also writes `w = A z + q`. O(n^2).
 #[inline(always)]
-pub fn verify_one(n: usize, a: &[f64], q: &[f64], z: &[f64], w: &mut [f64], tol: f64) -> Judged {
+pub fn verify_one<const FUSED: bool>(
+    n: usize,
+    a: &[f64],
+    q: &[f64],
+    z: &[f64],
+    w: &mut [f64],
+    tol: f64,
+) -> Judged {
     let rounding = 0.5 * (n as f64 + 2.0) * f64::EPSILON * 1.01;
     let allowed = 9.99 * tol * q.iter().fold(0.0, |m: f64, x| if x.abs() > m { x.abs() } else { m });
     let (mut solved, mut ratio, mut natural) = (true, 0.0_f64, 0.0_f64);
     for i in 0..n {
-        let (product, magnitude) = dot_and_magnitude(&a[i * n..(i + 1) * n], z);
+        let (product, magnitude) = dot_and_magnitude::<FUSED>(&a[i * n..(i + 1) * n], z);
         let (wi, m) = (q[i] + product, q[i].abs() + magnitude);
         w[i] = wi;
         let e = rounding * m;
@@ -106,20 +113,12 @@ pub struct Judged {
 
 /// `x'y` and `|x|'|y|`, in eight running sums each.
 #[inline(always)]
-fn dot_and_magnitude(x: &[f64], y: &[f64]) -> (f64, f64) {
-    let (mut sum, mut size) = ([0.0; 8], [0.0; 8]);
-    let ((x8, x_rest), (y8, y_rest)) = (x.as_chunks::<8>(), y.as_chunks::<8>());
-    for (x, y) in x8.iter().zip(y8) {
-        for l in 0..8 {
-            let p = x[l] * y[l];
-            sum[l] += p;
-            size[l] += p.abs();
-        }
+fn dot_and_magnitude<const FUSED: bool>(x: &[f64], y: &[f64]) -> (f64, f64) {
+    let (mut sum, mut size) = (F64x8::<FUSED>::splat(0.0), F64x8::<FUSED>::splat(0.0));
+    for (x, y) in x.chunks(8).zip(y.chunks(8)) {
+        let (x, y) = (F64x8::from_slice(x), F64x8::from_slice(y));
+        sum = sum.add_product(x, y);
+        size = size.add_product(x.abs(), y.abs());
     }
-    for (l, (x, y)) in x_rest.iter().zip(y_rest).enumerate() {
-        let p = x * y;
-        sum[l] += p;
-        size[l] += p.abs();
-    }
-    (sum.iter().sum(), size.iter().sum())
+    (sum.fold_sum(), size.fold_sum())
 }
