@@ -17,10 +17,18 @@ pub trait Lane: Copy {
 
     /// The same number in every lane.
     fn splat(x: f64) -> Self;
+    /// The first numbers of `x`, then zeros.
+    fn from_slice(x: &[Self::Number]) -> Self;
     /// Lane `l`, as a double.
     fn get(&self, l: usize) -> f64;
     /// Sets lane `l`.
     fn set(&mut self, l: usize, x: Self::Number);
+    /// The sum of the lanes: upper half added to lower half, again and again.
+    fn sum(self) -> f64;
+    /// The largest lane; no lane is NaN.
+    fn largest(self) -> f64;
+    /// The smallest lane; no lane is NaN.
+    fn smallest(self) -> f64;
     /// `self + x`.
     fn add(self, x: Self) -> Self;
     /// `self - x`.
@@ -75,6 +83,8 @@ pub trait Mask: Copy {
     fn choose(self, yes: Self, no: Self) -> Self;
     /// Whether any lane says yes.
     fn any(self) -> bool;
+    /// Bit l is lane l.
+    fn bits(self) -> u32;
 }
 
 macro_rules! lanes {
@@ -100,6 +110,18 @@ macro_rules! lanes {
             }
 
             #[inline(always)]
+            fn fold(self, f: impl Fn(f64, f64) -> f64) -> f64 {
+                let (mut x, mut count) = (self.0.map(f64::from), $lanes);
+                while count > 1 {
+                    count /= 2;
+                    for l in 0..count {
+                        x[l] = f(x[l], x[l + count]);
+                    }
+                }
+                x[0]
+            }
+
+            #[inline(always)]
             fn test(self, x: Self, f: impl Fn($number, $number) -> bool) -> $mask {
                 let mut out = $mask::NONE;
                 for l in 0..$lanes {
@@ -120,12 +142,32 @@ macro_rules! lanes {
                 Self([x as $number; $lanes])
             }
             #[inline(always)]
+            fn from_slice(x: &[$number]) -> Self {
+                let mut out = Self([0.0; $lanes]);
+                for (out, x) in out.0.iter_mut().zip(x) {
+                    *out = *x;
+                }
+                out
+            }
+            #[inline(always)]
             fn get(&self, l: usize) -> f64 {
                 f64::from(self.0[l])
             }
             #[inline(always)]
             fn set(&mut self, l: usize, x: $number) {
                 self.0[l] = x;
+            }
+            #[inline(always)]
+            fn sum(self) -> f64 {
+                self.fold(|a, b| a + b)
+            }
+            #[inline(always)]
+            fn largest(self) -> f64 {
+                self.fold(f64::max)
+            }
+            #[inline(always)]
+            fn smallest(self) -> f64 {
+                self.fold(f64::min)
             }
             #[inline(always)]
             fn add(self, x: Self) -> Self {
@@ -253,45 +295,12 @@ macro_rules! lanes {
             fn any(self) -> bool {
                 self.0.iter().fold(0, |any, m| any | m) != 0
             }
+            #[inline(always)]
+            fn bits(self) -> u32 {
+                (0..$lanes).fold(0, |bits, l| bits | u32::from(self.0[l] != 0) << l)
+            }
         }
     };
-}
-
-impl<const FUSED: bool> F64x8<FUSED> {
-    /// The first numbers of `x`, then zeros.
-    #[inline(always)]
-    pub fn from_slice(x: &[f64]) -> Self {
-        let mut out = Self([0.0; 8]);
-        match x.first_chunk::<8>() {
-            Some(whole) => out.0 = *whole,
-            None => out.0[..x.len()].copy_from_slice(x),
-        }
-        out
-    }
-
-    /// The largest lane.
-    #[inline(always)]
-    pub fn fold_max(self) -> f64 {
-        self.fold(|a, b| if a > b { a } else { b })
-    }
-
-    /// The smallest lane.
-    #[inline(always)]
-    pub fn fold_min(self) -> f64 {
-        self.fold(|a, b| if a < b { a } else { b })
-    }
-
-    /// The sum of the lanes, in pairs.
-    #[inline(always)]
-    pub fn fold_sum(self) -> f64 {
-        self.fold(|a, b| a + b)
-    }
-
-    #[inline(always)]
-    fn fold(self, f: impl Fn(f64, f64) -> f64) -> f64 {
-        let x = self.0;
-        f(f(f(x[0], x[4]), f(x[1], x[5])), f(f(x[2], x[6]), f(x[3], x[7])))
-    }
 }
 
 lanes!(

@@ -9,10 +9,11 @@
 //! accident, which is what a lexicographic rule is for otherwise. Among tied rows the one holding z_0 wins, then the
 //! largest pivot.
 
-use super::lane::{F64x8, Lane};
+use super::lane::{Lane, Mask};
+use super::verify::{Judged, verify_one};
 
 /// Numbers per row are padded to a multiple of this.
-const WIDTH: usize = F64x8::<true>::LANES;
+const WIDTH: usize = 8;
 
 /// Who sits in a row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -24,7 +25,7 @@ enum Basic {
 
 /// How the method stopped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Stop {
+enum Stop {
     /// z_0 left: the basis is complementary.
     Basis,
     /// No blocking row.
@@ -33,30 +34,39 @@ pub enum Stop {
     Limit,
 }
 
+/// Refinement steps at most.
+const REFINEMENTS: usize = 2;
+
+/// Pivots per row of the problem after which the method gives up.
+pub(super) const PIVOTS_PER_ROW: usize = 10;
+
 /// Smallest pivot relative to the largest entry of the driving column.
-const PIVOT_TOLERANCE: f64 = 1e-10;
+pub(super) const PIVOT_TOLERANCE: f64 = 1e-10;
 
 /// Ratios within this factor of the least one are tied.
-const TIE: f64 = 1.0 + 1e-11;
+pub(super) const TIE: f64 = 1.0 + 1e-11;
 
 /// A value that cancels to less than this part of itself is rounding error, and zero.
-const NOISE: f64 = 1e-14;
+pub(super) const NOISE: f64 = 1e-14;
 
 /// A correction that leaves less than this part of a value shows that the value was rounding error.
 const CANCELLED: f64 = 1e-8;
 
 /// The tableau and what belongs to it; grows to the largest problem it has seen.
-#[derive(Debug, Default)]
-pub struct Tableau<const FUSED: bool> {
+pub struct Tableau<X> {
     n: usize,
     /// Vectors per row.
     width: usize,
-    t: Vec<F64x8<FUSED>>,
-    column: Vec<F64x8<FUSED>>,
-    rhs: Vec<F64x8<FUSED>>,
+    /// `A` as given, for the verification.
+    a: Vec<X>,
+    t: Vec<X>,
+    column: Vec<X>,
+    rhs: Vec<X>,
     /// The new pivot row.
-    row: Vec<F64x8<FUSED>>,
-    ratio: Vec<F64x8<FUSED>>,
+    row: Vec<X>,
+    ratio: Vec<X>,
+    z: Vec<X>,
+    sums: Vec<[X; 2]>,
     basic: Vec<Basic>,
     /// Whether slot j holds z_j rather than w_j.
     holds_z: Vec<bool>,
@@ -66,19 +76,49 @@ pub struct Tableau<const FUSED: bool> {
 
 /// Number `i` of a padded vector.
 #[inline(always)]
-fn at<const FUSED: bool>(v: &[F64x8<FUSED>], i: usize) -> f64 {
+fn at<X: Lane<Number = f64>>(v: &[X], i: usize) -> f64 {
     v[i / WIDTH].get(i % WIDTH)
 }
 
 #[inline(always)]
-fn put<const FUSED: bool>(v: &mut [F64x8<FUSED>], i: usize, x: f64) {
+fn put<X: Lane<Number = f64>>(v: &mut [X], i: usize, x: f64) {
     v[i / WIDTH].set(i % WIDTH, x);
 }
 
-impl<const FUSED: bool> Tableau<FUSED> {
+impl<X> Default for Tableau<X> {
+    fn default() -> Self {
+        Self {
+            n: 0,
+            width: 0,
+            a: Vec::new(),
+            t: Vec::new(),
+            column: Vec::new(),
+            rhs: Vec::new(),
+            row: Vec::new(),
+            ratio: Vec::new(),
+            z: Vec::new(),
+            sums: Vec::new(),
+            basic: Vec::new(),
+            holds_z: Vec::new(),
+            pivots: 0,
+        }
+    }
+}
+
+impl<X: Lane<Number = f64>> Tableau<X> {
+    /// Runs the method and refines the answer until it is verified; `None` if that fails. `w = A z + q` as computed.
+    #[inline(always)]
+    pub fn solve_and_verify(&mut self, n: usize, a: &[f64], q: &[f64], w: &mut [f64], tol: f64) -> Option<Judged> {
+        if self.solve(n, a, q, PIVOTS_PER_ROW * n) != Stop::Basis {
+            return None;
+        }
+        let judged = self.verified(q, w, tol);
+        judged.solved.then_some(judged)
+    }
+
     /// Runs the method on the row-major `a` and `q`, at most `limit` pivots. O(n^2) a pivot.
     #[inline(always)]
-    pub fn solve(&mut self, n: usize, a: &[f64], q: &[f64], limit: usize) -> Stop {
+    fn solve(&mut self, n: usize, a: &[f64], q: &[f64], limit: usize) -> Stop {
         self.load(n, a, q);
         let Some(mut row) = self.first_row() else {
             return Stop::Basis;
@@ -86,12 +126,22 @@ impl<const FUSED: bool> Tableau<FUSED> {
         let mut driving = Basic::Z0;
         loop {
             let left = std::mem::replace(&mut self.basic[row], driving);
-            self.exchange(row);
             self.pivots += 1;
             driving = match left {
-                Basic::Z0 => return Stop::Basis,
-                Basic::W(i) => self.drive(i, true),
-                Basic::Z(i) => self.drive(i, false),
+                Basic::Z0 => {
+                    self.exchange(row, None);
+                    return Stop::Basis;
+                }
+                Basic::W(i) => {
+                    self.holds_z[i] = false;
+                    self.exchange(row, Some(i));
+                    Basic::Z(i)
+                }
+                Basic::Z(i) => {
+                    self.holds_z[i] = true;
+                    self.exchange(row, Some(i));
+                    Basic::W(i)
+                }
             };
             if self.pivots >= limit {
                 return Stop::Limit;
@@ -106,12 +156,14 @@ impl<const FUSED: bool> Tableau<FUSED> {
     /// `w = q + A z + d z_0`, with z_0's column ready to drive.
     #[inline(always)]
     fn load(&mut self, n: usize, a: &[f64], q: &[f64]) {
-        let (width, zero) = (n.div_ceil(WIDTH), F64x8::splat(0.0));
+        let (width, zero) = (n.div_ceil(WIDTH), X::splat(0.0));
         if n != self.n {
             self.n = n;
             self.width = width;
+            self.a.resize(n * width, zero);
             self.t.resize(n * width, zero);
-            for v in [&mut self.column, &mut self.rhs, &mut self.row, &mut self.ratio] {
+            self.sums.resize(n, [zero; 2]);
+            for v in [&mut self.column, &mut self.rhs, &mut self.row, &mut self.ratio, &mut self.z] {
                 v.resize(width, zero);
             }
             self.basic.resize(n, Basic::Z0);
@@ -122,10 +174,11 @@ impl<const FUSED: bool> Tableau<FUSED> {
         }
         self.pivots = 0;
         for i in 0..n {
-            for (target, source) in
-                self.t[i * width..(i + 1) * width].iter_mut().zip(a[i * n..(i + 1) * n].chunks(WIDTH))
-            {
-                *target = F64x8::from_slice(source);
+            let padded = i * width..(i + 1) * width;
+            let rows = self.t[padded.clone()].iter_mut().zip(&mut self.a[padded]);
+            for ((t, a), source) in rows.zip(a[i * n..(i + 1) * n].chunks(WIDTH)) {
+                *a = X::from_slice(source);
+                *t = *a;
             }
             put(&mut self.rhs, i, q[i]);
             put(&mut self.column, i, spread(i));
@@ -147,68 +200,91 @@ impl<const FUSED: bool> Tableau<FUSED> {
         row
     }
 
-    /// The driving variable and the basic one of `row` change places; the latter's column is left in `column`.
+    /// The driving variable and the basic one of `row` change places. The latter's column goes to the slot of its pair
+    /// and its partner's column, found there, becomes the driving one.
     #[inline(always)]
-    fn exchange(&mut self, row: usize) {
-        let (n, width) = (self.n, self.width);
-        let reciprocal = 1.0 / at(&self.column, row);
-        let minus = F64x8::splat(-reciprocal);
-        let new = &mut self.row[..width];
-        for (p, t) in new.iter_mut().zip(&mut self.t[row * width..(row + 1) * width]) {
-            *p = t.mul(minus);
-            *t = F64x8::splat(0.0);
-        }
-        let value = F64x8::splat(-at(&self.rhs, row) * reciprocal);
-        // Adding 1 times the new row to the zeroed old one writes it without a branch.
-        put(&mut self.rhs, row, 0.0);
-        put(&mut self.column, row, 1.0);
-        for i in 0..n {
-            let f = F64x8::splat(at(&self.column, i));
-            for (t, p) in self.t[i * width..(i + 1) * width].iter_mut().zip(&*new) {
-                *t = t.add_product(f, *p);
-            }
-        }
-        let (noise, reciprocal) = (F64x8::splat(NOISE), F64x8::splat(reciprocal));
-        for (r, c) in self.rhs.iter_mut().zip(&mut self.column) {
-            let sum = r.add_product(*c, value);
-            *r = sum.only(r.abs().mul(noise).lt(sum.abs()));
-            *c = c.mul(reciprocal);
+    fn exchange(&mut self, row: usize, pair: Option<usize>) {
+        match self.width {
+            1 => self.exchange_wide::<1>(row, pair),
+            2 => self.exchange_wide::<2>(row, pair),
+            3 => self.exchange_wide::<3>(row, pair),
+            4 => self.exchange_wide::<4>(row, pair),
+            _ => self.exchange_wide::<0>(row, pair),
         }
     }
 
-    /// The partner of the variable that has just left drives next: their columns change places.
+    /// [`Self::exchange`] for rows of `W` vectors, `W = 0` for any.
     #[inline(always)]
-    fn drive(&mut self, pair: usize, w_left: bool) -> Basic {
-        let (block, lane) = (pair / WIDTH, pair % WIDTH);
-        for i in 0..self.n {
-            let t = &mut self.t[i * self.width + block];
-            let partner = t.get(lane);
-            t.set(lane, at(&self.column, i));
-            put(&mut self.column, i, partner);
+    fn exchange_wide<const W: usize>(&mut self, row: usize, pair: Option<usize>) {
+        let width = if W == 0 { self.width } else { W };
+        let reciprocal = 1.0 / at(&self.column, row);
+        let minus = X::splat(-reciprocal);
+        let new = &mut self.row[..width];
+        for (p, t) in new.iter_mut().zip(&mut self.t[row * width..(row + 1) * width]) {
+            *p = t.mul(minus);
+            *t = X::splat(0.0);
         }
-        self.holds_z[pair] = !w_left;
-        if w_left { Basic::Z(pair) } else { Basic::W(pair) }
+        let value = X::splat(-at(&self.rhs, row) * reciprocal);
+        // Adding 1 times the new row to the zeroed old one writes it without a branch.
+        put(&mut self.rhs, row, 0.0);
+        put(&mut self.column, row, 1.0);
+        let noise = X::splat(NOISE);
+        for (r, c) in self.rhs.iter_mut().zip(&self.column) {
+            let sum = r.add_product(*c, value);
+            *r = sum.only(r.abs().mul(noise).lt(sum.abs()));
+        }
+        let mut held = [X::splat(0.0); 4];
+        if W != 0 {
+            held[..W].copy_from_slice(&new[..W]);
+        }
+        let (block, lane) = pair.map_or((0, 0), |j| (j / WIDTH, j % WIDTH));
+        let mut rows = self.t[..self.n * width].chunks_exact_mut(width);
+        for column in &mut self.column {
+            let factors = *column;
+            for (l, t) in rows.by_ref().take(WIDTH).enumerate() {
+                let f = factors.get(l);
+                if f != 0.0 {
+                    let factor = X::splat(f);
+                    if W == 0 {
+                        for (t, p) in t.iter_mut().zip(&*new) {
+                            *t = t.add_product(factor, *p);
+                        }
+                    } else {
+                        for j in 0..W {
+                            t[j] = t[j].add_product(factor, held[j]);
+                        }
+                    }
+                }
+                if pair.is_some() {
+                    column.set(l, t[block].get(lane));
+                    t[block].set(lane, f * reciprocal);
+                }
+            }
+        }
     }
 
     /// The first row to reach zero as the driving variable grows.
     #[inline(always)]
     fn blocking_row(&mut self) -> Option<usize> {
-        let (zero, infinity) = (F64x8::splat(0.0), F64x8::splat(f64::INFINITY));
-        let largest = self.column.iter().fold(zero, |m, c| m.max(c.abs())).fold_max();
-        let tolerance = F64x8::splat(-PIVOT_TOLERANCE * largest);
+        let (zero, infinity) = (X::splat(0.0), X::splat(f64::INFINITY));
+        let largest = self.column.iter().fold(zero, |m, c| m.max(c.abs())).largest();
+        let tolerance = X::splat(-PIVOT_TOLERANCE * largest);
         let mut least = infinity;
         for ((ratio, r), c) in self.ratio.iter_mut().zip(&self.rhs).zip(&self.column) {
             *ratio = r.max(zero).div(c.neg()).or_else(c.lt(tolerance), infinity);
             least = ratio.min(least);
         }
-        let least = least.fold_min();
+        let least = least.smallest();
         if least == f64::INFINITY {
             return None;
         }
-        let bound = least * TIE;
+        let bound = X::splat(least * TIE);
         let (mut row, mut pivot) = (None, 0.0);
-        for i in 0..self.n {
-            if at(&self.ratio, i) <= bound {
+        for (block, ratio) in self.ratio.iter().enumerate() {
+            let mut tied = ratio.le(bound).bits();
+            while tied != 0 {
+                let i = block * WIDTH + tied.trailing_zeros() as usize;
+                tied &= tied - 1;
                 if self.basic[i] == Basic::Z0 {
                     return Some(i);
                 }
@@ -221,16 +297,37 @@ impl<const FUSED: bool> Tableau<FUSED> {
         row
     }
 
-    /// Writes the basic z's, negative rounding set to zero.
+    /// Puts the basic z's in place, negative rounding set to zero, and judges them; `w = A z + q` as computed.
     #[inline(always)]
-    pub fn solution(&self, z: &mut [f64]) {
-        z.fill(0.0);
+    fn verified(&mut self, q: &[f64], w: &mut [f64], tol: f64) -> Judged {
+        for x in &mut self.z {
+            *x = X::splat(0.0);
+        }
         for i in 0..self.n {
             if let Basic::Z(j) = self.basic[i] {
-                let x = at(&self.rhs, i);
-                z[j] = if x > 0.0 { x } else { 0.0 };
+                put(&mut self.z, j, at(&self.rhs, i).max(0.0));
             }
         }
+        let mut judged = self.judge(q, w, tol);
+        for _ in 0..REFINEMENTS {
+            if judged.solved {
+                break;
+            }
+            self.refine(w);
+            judged = self.judge(q, w, tol);
+        }
+        judged
+    }
+
+    #[inline(always)]
+    fn judge(&mut self, q: &[f64], w: &mut [f64], tol: f64) -> Judged {
+        verify_one(self.n, self.width, &self.a, q, &self.z, w, &mut self.sums, tol)
+    }
+
+    /// z_j.
+    #[inline(always)]
+    pub fn z(&self, j: usize) -> f64 {
+        at(&self.z, j)
     }
 
     /// Whether z_j is basic.
@@ -241,7 +338,7 @@ impl<const FUSED: bool> Tableau<FUSED> {
 
     /// `z_a -= A_aa^-1 w_a`, the inverse read off the final tableau.
     #[inline(always)]
-    pub fn refine(&self, z: &mut [f64], w: &[f64]) {
+    fn refine(&mut self, w: &[f64]) {
         for i in 0..self.n {
             if let Basic::Z(j) = self.basic[i] {
                 let row = &self.t[i * self.width..(i + 1) * self.width];
@@ -251,8 +348,8 @@ impl<const FUSED: bool> Tableau<FUSED> {
                         step += at(row, k) * w;
                     }
                 }
-                let x = z[j] - step;
-                z[j] = if x > CANCELLED * z[j] { x } else { 0.0 };
+                let (old, new) = (at(&self.z, j), at(&self.z, j) - step);
+                put(&mut self.z, j, if new > CANCELLED * old { new } else { 0.0 });
             }
         }
     }
@@ -260,7 +357,7 @@ impl<const FUSED: bool> Tableau<FUSED> {
 
 /// Entry i of the covering vector: 1 plus the fractional part of `(i + 1)` times the golden ratio.
 #[inline(always)]
-fn spread(i: usize) -> f64 {
+pub(super) fn spread(i: usize) -> f64 {
     const GOLDEN: f64 = 0.618_033_988_749_894_9;
     1.0 + ((i + 1) as f64 * GOLDEN).fract()
 }

@@ -49,16 +49,8 @@ impl<X: Lane> Tile<X> {
     }
 }
 
-/// Where the lanes stand after [`newton`].
-pub struct Outcome<M> {
-    /// Lanes whose guess reproduces itself.
-    pub settled: M,
-    /// Factorisations, lane by lane, at most `FACTORISATIONS`.
-    pub iterations: [u8; 16],
-}
-
-/// Iterates from the guess in `tile.alpha` until no lane of `lanes` changes its mind, at most `limit` times.
-/// O(n^3) each.
+/// Iterates from the guess in `tile.alpha` until no lane of `lanes` changes its mind, at most `limit` times, and
+/// returns the factorisations, lane by lane. O(n^3) each.
 ///
 /// `N` is the order when it is known at compile time, else 0.
 #[inline(always)]
@@ -68,7 +60,7 @@ pub fn newton<X: Lane, const N: usize>(
     lanes: X::Mask,
     symmetric: bool,
     limit: usize,
-) -> Outcome<X::Mask> {
+) -> [u8; 16] {
     let n = if N == 0 { n } else { N };
     let mut iterations = [0; 16];
     let mut unsettled = lanes;
@@ -84,7 +76,7 @@ pub fn newton<X: Lane, const N: usize>(
             break;
         }
     }
-    Outcome { settled: lanes.and(unsettled.not()), iterations }
+    iterations
 }
 
 /// The next guess: `z_i > 0` stays in, `w_i < 0` comes in. Returns the lanes that changed.
@@ -203,7 +195,7 @@ fn substitute_back<X: Lane, const N: usize>(n: usize, tile: &mut Tile<X>) {
 
 /// `w = A z + q`.
 #[inline(always)]
-fn multiply<X: Lane, const N: usize>(n: usize, tile: &mut Tile<X>) {
+pub fn multiply<X: Lane, const N: usize>(n: usize, tile: &mut Tile<X>) {
     let n = if N == 0 { n } else { N };
     let (a, q, z, w) = (&tile.a[..n * n], &tile.q[..n], &tile.z[..n], &mut tile.w[..n]);
     let mut i = 0;

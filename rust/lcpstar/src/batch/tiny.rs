@@ -1,8 +1,11 @@
 //! One small problem at a time, without a single allocation: the fast path of `solve`.
 
+#[cfg(target_arch = "x86_64")]
+use super::avx::{Ymm2, Zmm};
+use super::lane::{F64x8, Lane};
 use super::lemke::Tableau;
-use super::work::by_tableau;
 use multiversion::multiversion;
+use multiversion::target::target_cfg_f;
 use std::cell::RefCell;
 
 /// Largest order that [`solve_one`] takes.
@@ -39,10 +42,6 @@ impl TinySolution {
     }
 }
 
-thread_local! {
-    static TABLEAU: RefCell<Tableau> = RefCell::default();
-}
-
 /// Solves and verifies LCP(q, A) by Lemke's method, `a` row-major. O(n^2) a pivot; after the first call on a thread for
 /// the largest n, nothing is allocated.
 ///
@@ -50,22 +49,53 @@ thread_local! {
 /// verified at once): ask the general solver.
 #[must_use]
 pub fn solve_one(n: usize, a: &[f64], q: &[f64], tol: f64) -> Option<TinySolution> {
-    if n > TINY_ORDER || a.len() != n * n || q.len() != n {
+    if n == 0 || n > TINY_ORDER || a.len() != n * n || q.len() != n {
         return None;
     }
-    TABLEAU.with_borrow_mut(|tableau| solve_in(tableau, n, a, q, tol))
+    dispatch(n, a, q, tol)
 }
 
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw+avx2+fma", "x86_64+avx2+fma", "aarch64+neon"))]
-fn solve_in(tableau: &mut Tableau, n: usize, a: &[f64], q: &[f64], tol: f64) -> Option<TinySolution> {
+fn dispatch(n: usize, a: &[f64], q: &[f64], tol: f64) -> Option<TinySolution> {
+    #[cfg(target_arch = "x86_64")]
+    {
+        if target_cfg_f!(target_feature = "avx512f") {
+            thread_local!(static TABLEAU: RefCell<Tableau<Zmm>> = RefCell::default());
+            return TABLEAU.with_borrow_mut(
+                #[inline(always)]
+                |tableau| solve_in(tableau, n, a, q, tol),
+            );
+        }
+        if target_cfg_f!(target_feature = "avx2") {
+            thread_local!(static TABLEAU: RefCell<Tableau<Ymm2>> = RefCell::default());
+            return TABLEAU.with_borrow_mut(
+                #[inline(always)]
+                |tableau| solve_in(tableau, n, a, q, tol),
+            );
+        }
+    }
+    thread_local!(static TABLEAU: RefCell<Tableau<F64x8<{ cfg!(target_arch = "aarch64") }>>> = RefCell::default());
+    TABLEAU.with_borrow_mut(|tableau| solve_in(tableau, n, a, q, tol))
+}
+
+#[inline(always)]
+fn solve_in<X: Lane<Number = f64>>(
+    tableau: &mut Tableau<X>,
+    n: usize,
+    a: &[f64],
+    q: &[f64],
+    tol: f64,
+) -> Option<TinySolution> {
     let (mut z, mut w) = ([0.0; TINY_ORDER], [0.0; TINY_ORDER]);
-    let judged = by_tableau(tableau, n, a, q, &mut z[..n], &mut w[..n], tol)?;
-    let alpha = (0..n).fold(0, |mask, i| mask | u64::from(tableau.is_basic(i)) << i);
+    let judged = tableau.solve_and_verify(n, a, q, &mut w[..n], tol)?;
+    for (i, z) in z[..n].iter_mut().enumerate() {
+        *z = tableau.z(i);
+    }
     Some(TinySolution {
         n,
         z,
         w,
-        alpha,
+        alpha: (0..n).fold(0, |mask, i| mask | u64::from(tableau.is_basic(i)) << i),
         iterations: tableau.pivots,
         residual: judged.residual,
         natural_residual: judged.natural_residual,

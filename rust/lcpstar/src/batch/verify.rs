@@ -6,7 +6,7 @@
 //! `|q'| < 1`, `m'_i <= 2 n max|z'| + 1`; ratios `b_i / m_i` do not depend on the scaling, so
 //! `(2 n + 1) max_i b_i / m_i` bounds the scale-free residual without equilibrating.
 
-use super::lane::{F64x8, Lane, Mask};
+use super::lane::{Lane, Mask};
 
 /// Lane by lane: accepted or not, and bounds of both residuals.
 pub struct Verdict<X: Lane> {
@@ -72,27 +72,38 @@ pub fn verify<X: Lane, const N: usize>(n: usize, a: &[X], q: &[X], z: &[X], w: &
     Verdict { solved: solved.and(residual.le(tol_lane)), residual, natural_residual: natural }
 }
 
-/// [`verify`] for one problem in double precision, vectorised along the rows; also writes `w = A z + q`. O(n^2).
+/// [`verify`] for one problem in double precision, vectorised along the rows of the padded matrix `a`, `width` vectors
+/// a row; also writes `w = A z + q`. O(n^2).
 #[inline(always)]
-pub fn verify_one<const FUSED: bool>(
+pub fn verify_one<X: Lane<Number = f64>>(
     n: usize,
-    a: &[f64],
+    width: usize,
+    a: &[X],
     q: &[f64],
-    z: &[f64],
+    z: &[X],
     w: &mut [f64],
+    sums: &mut [[X; 2]],
     tol: f64,
 ) -> Judged {
+    for (sums, row) in sums.iter_mut().zip(a.chunks_exact(width)) {
+        let mut sum = [X::splat(0.0); 2];
+        for (a, z) in row.iter().zip(z) {
+            sum[0] = sum[0].add_product(*a, *z);
+            sum[1] = sum[1].add_product(a.abs(), *z);
+        }
+        *sums = sum;
+    }
     let rounding = 0.5 * (n as f64 + 2.0) * f64::EPSILON * 1.01;
     let allowed = 9.99 * tol * q.iter().fold(0.0, |m: f64, x| if x.abs() > m { x.abs() } else { m });
     let (mut solved, mut ratio, mut natural) = (true, 0.0_f64, 0.0_f64);
     for i in 0..n {
-        let (product, magnitude) = dot_and_magnitude::<FUSED>(&a[i * n..(i + 1) * n], z);
-        let (wi, m) = (q[i] + product, q[i].abs() + magnitude);
+        let (wi, m) = (q[i] + sums[i][0].sum(), q[i].abs() + sums[i][1].sum());
+        let zi = z[i / X::LANES].get(i % X::LANES);
         w[i] = wi;
         let e = rounding * m;
-        let b = if m > 0.0 { (e - wi).max(z[i].min(wi + e)).max(0.0) } else { 0.0 };
+        let b = if m > 0.0 { (e - wi).max(zi.min(wi + e)).max(0.0) } else { 0.0 };
         let in_range = m == 0.0 || MAGNITUDES.contains(&m);
-        solved &= in_range && z[i] >= 0.0 && b <= allowed + 7.9 * f64::EPSILON * m;
+        solved &= in_range && zi >= 0.0 && b <= allowed + 7.9 * f64::EPSILON * m;
         ratio = ratio.max(b / m.max(MAGNITUDES.start));
         natural = natural.max(b);
     }
@@ -109,16 +120,4 @@ pub struct Judged {
     pub residual: f64,
     /// Bound of the natural residual in the caller's units.
     pub natural_residual: f64,
-}
-
-/// `x'y` and `|x|'|y|`, in eight running sums each.
-#[inline(always)]
-fn dot_and_magnitude<const FUSED: bool>(x: &[f64], y: &[f64]) -> (f64, f64) {
-    let (mut sum, mut size) = (F64x8::<FUSED>::splat(0.0), F64x8::<FUSED>::splat(0.0));
-    for (x, y) in x.chunks(8).zip(y.chunks(8)) {
-        let (x, y) = (F64x8::from_slice(x), F64x8::from_slice(y));
-        sum = sum.add_product(x, y);
-        size = size.add_product(x.abs(), y.abs());
-    }
-    (sum.fold_sum(), size.fold_sum())
 }

@@ -1,22 +1,29 @@
 //! One worker: takes chunks of problems until none is left.
 
-use super::io::{Output, Problems, Settings};
+#[cfg(target_arch = "x86_64")]
+use super::avx::{Ymm2, Zmm};
+use super::io::{Guess, Output, Problems, Settings};
 use super::lane::{F64x8, Lane, Mask};
-use super::lemke::{Stop, Tableau};
-use super::newton::{Tile, newton, refine};
-use super::verify::{Judged, verify, verify_one};
+use super::lemke::{PIVOTS_PER_ROW, Tableau};
+use super::lemke_lanes::Pivots;
+use super::newton::{Tile, multiply, newton, refine};
+use super::verify::{Verdict, verify};
 use crate::control::Control;
 use crate::driver;
 use crate::error::{LcpError, Result};
 use crate::problem::Lcp;
 use crate::status::Status;
 use multiversion::multiversion;
+use multiversion::target::target_cfg_f;
 
 /// Largest order for which problems share registers; above, they take turns.
-pub const LANE_ORDER: usize = 32;
+const LANE_ORDER: usize = 20;
+
+/// Largest order for which a guessed support is tried in lanes.
+const GUESS_ORDER: usize = 32;
 
 /// Largest order for which the tableau is tried before the general solver.
-pub const TABLEAU_ORDER: usize = 192;
+const TABLEAU_ORDER: usize = 192;
 
 /// Names of the methods in [`Output::method`](super::Output::method).
 pub const METHODS: [&str; 7] =
@@ -31,7 +38,7 @@ fn method_code(name: &str) -> u8 {
 }
 
 /// Factorisations after which a lane goes on to Lemke's method.
-const FACTORISATIONS: usize = 8;
+const FACTORISATIONS: usize = 6;
 
 /// Refinement steps at most.
 const REFINEMENTS: usize = 2;
@@ -49,11 +56,17 @@ pub fn work<'a>(
     settings: &Settings<'_>,
     next: &(dyn Fn() -> Option<Chunk<'a>> + Sync),
 ) -> Result<()> {
-    if cfg!(target_arch = "aarch64") || multiversion::target::target_cfg_f!(target_feature = "fma") {
-        run::<F64x8<true>>(problems, settings, next)
-    } else {
-        run::<F64x8<false>>(problems, settings, next)
+    #[cfg(target_arch = "x86_64")]
+    {
+        if target_cfg_f!(target_feature = "avx512f") {
+            return run::<Zmm>(problems, settings, next);
+        }
+        if target_cfg_f!(target_feature = "avx2") {
+            return run::<Ymm2>(problems, settings, next);
+        }
     }
+    // Fused products are cheap where the instruction set has them, as all of aarch64 does.
+    run::<F64x8<{ cfg!(target_arch = "aarch64") }>>(problems, settings, next)
 }
 
 #[inline(always)]
@@ -65,114 +78,221 @@ fn run<'a, X: Lane<Number = f64>>(
     let n = problems.n;
     let mut worker = Worker::<X>::new(n);
     while let Some(mut chunk) = next() {
-        worker.left_over.clear();
-        if n <= LANE_ORDER {
-            match n {
-                2 => worker.lanes::<2>(problems, settings, &mut chunk),
-                3 => worker.lanes::<3>(problems, settings, &mut chunk),
-                4 => worker.lanes::<4>(problems, settings, &mut chunk),
-                6 => worker.lanes::<6>(problems, settings, &mut chunk),
-                8 => worker.lanes::<8>(problems, settings, &mut chunk),
-                _ => worker.lanes::<0>(problems, settings, &mut chunk),
-            }
-        } else {
-            worker.left_over.extend(0..chunk.output.status.len());
+        worker.waiting.clear();
+        worker.waiting.extend(0..chunk.output.status.len());
+        let task = Task { problems, settings, first: chunk.first };
+        match n {
+            4 => worker.in_lanes::<4>(&task, &mut chunk.output),
+            8 => worker.in_lanes::<8>(&task, &mut chunk.output),
+            _ => worker.in_lanes::<0>(&task, &mut chunk.output),
         }
-        worker.one_by_one(problems, settings, &mut chunk)?;
+        worker.one_by_one(&task, &mut chunk.output)?;
     }
     Ok(())
+}
+
+/// What a worker reads.
+struct Task<'a> {
+    problems: &'a Problems<'a, f64>,
+    settings: &'a Settings<'a>,
+    /// Place of the chunk in the batch.
+    first: usize,
 }
 
 /// Memory of one thread.
 struct Worker<X: Lane> {
     n: usize,
     tile: Tile<X>,
-    tableau: Tableau,
-    z: Vec<f64>,
+    pivots: Pivots<X>,
+    tableau: Tableau<X>,
     w: Vec<f64>,
     a: Vec<f64>,
     q: Vec<f64>,
-    /// Problems of the chunk that the lanes did not solve.
-    left_over: Vec<usize>,
+    /// Problems of the chunk that are not solved yet, and room for the next such list.
+    waiting: Vec<usize>,
+    failed: Vec<usize>,
 }
 
 impl<X: Lane<Number = f64>> Worker<X> {
     #[inline(always)]
     fn new(n: usize) -> Self {
+        let lanes = if n <= GUESS_ORDER { n } else { 0 };
         Self {
             n,
-            tile: Tile::new(if n <= LANE_ORDER { n } else { 0 }),
+            tile: Tile::new(lanes),
+            pivots: Pivots::new(lanes),
             tableau: Tableau::default(),
-            z: vec![0.0; n],
             w: vec![0.0; n],
             a: vec![0.0; n * n],
             q: vec![0.0; n],
-            left_over: Vec::new(),
+            waiting: Vec::new(),
+            failed: Vec::new(),
         }
     }
 
-    /// Newton's method, `X::LANES` problems at a time; what it does not solve is left over.
+    /// What problems side by side can do: the guess, then Newton's method, then Lemke's.
     #[inline(always)]
-    fn lanes<const N: usize>(&mut self, problems: &Problems<'_, f64>, settings: &Settings<'_>, chunk: &mut Chunk<'_>) {
+    fn in_lanes<const N: usize>(&mut self, task: &Task<'_>, output: &mut Output<'_>) {
+        let n = self.n;
+        if n == 0 {
+            return;
+        }
+        if n <= GUESS_ORDER && !matches!(task.settings.guess, Guess::None) {
+            self.phase::<N>(Phase::Guess, task, output);
+        }
+        if n <= LANE_ORDER {
+            self.phase::<N>(Phase::Newton, task, output);
+            self.phase::<N>(Phase::Lemke, task, output);
+        }
+    }
+
+    /// Tries one method on the problems that wait, `X::LANES` at a time; those it does not solve wait on.
+    #[inline(always)]
+    fn phase<const N: usize>(&mut self, phase: Phase, task: &Task<'_>, output: &mut Output<'_>) {
+        let (waiting, tol) = (std::mem::take(&mut self.waiting), task.settings.tol);
+        self.failed.clear();
+        for members in waiting.chunks(X::LANES) {
+            self.load::<N>(task, members);
+            let (fit, symmetric) = self.shape::<N>(members.len());
+            let mut open = lanes_of::<X>(members.len());
+            match phase {
+                Phase::Guess => {
+                    for (lanes, kind) in [(symmetric, true), (symmetric.not(), false)] {
+                        let lanes = open.and(lanes);
+                        self.newton::<N>(Some(task), members, lanes, kind, 1, tol, &mut open, output);
+                    }
+                }
+                Phase::Newton => {
+                    for (lanes, kind) in [(symmetric, true), (symmetric.not(), false)] {
+                        let lanes = open.and(fit).and(lanes);
+                        self.newton::<N>(None, members, lanes, kind, FACTORISATIONS, tol, &mut open, output);
+                    }
+                }
+                Phase::Lemke => self.lemke::<N>(members, tol, &mut open, output),
+            }
+            self.failed.extend(members.iter().enumerate().filter(|&(l, _)| open.get(l)).map(|(_, &k)| k));
+        }
+        self.waiting = waiting;
+        std::mem::swap(&mut self.waiting, &mut self.failed);
+    }
+
+    /// Newton's method on `lanes`, from the guess of the task or else from the rows with `q_i < 0`.
+    #[inline(always)]
+    fn newton<const N: usize>(
+        &mut self,
+        guess: Option<&Task<'_>>,
+        members: &[usize],
+        lanes: X::Mask,
+        symmetric: bool,
+        limit: usize,
+        tol: f64,
+        open: &mut X::Mask,
+        output: &mut Output<'_>,
+    ) {
+        if !lanes.any() {
+            return;
+        }
         let n = if N == 0 { self.n } else { N };
-        let count = chunk.output.status.len();
-        for start in (0..count).step_by(X::LANES) {
-            let members = X::LANES.min(count - start);
-            self.load::<N>(problems, chunk.first + start, members);
-            let (fit, symmetric) = self.shape::<N>(members);
-            let mut done = X::Mask::NONE;
-            for kind in [true, false] {
-                let lanes = if kind { fit.and(symmetric) } else { fit.and(symmetric.not()) };
-                if !lanes.any() {
-                    continue;
-                }
-                self.guess::<N>(settings, chunk.first + start, members);
-                let outcome = newton::<X, N>(n, &mut self.tile, lanes, kind, FACTORISATIONS);
-                if !outcome.settled.any() {
-                    continue;
-                }
-                let tile = &self.tile;
-                let mut verdict = verify::<X, N>(n, &tile.a, &tile.q, &tile.z, &tile.w, settings.tol);
-                for _ in 0..REFINEMENTS {
-                    let wanting = outcome.settled.and(verdict.solved.not());
-                    if !wanting.any() {
-                        break;
-                    }
-                    refine::<X, N>(n, &mut self.tile, wanting);
-                    let tile = &self.tile;
-                    verdict = verify::<X, N>(n, &tile.a, &tile.q, &tile.z, &tile.w, settings.tol);
-                }
-                let solved = outcome.settled.and(verdict.solved);
-                done = done.or(solved);
-                let output = &mut chunk.output;
-                for l in (0..members).filter(|&l| solved.get(l)) {
-                    let k = start + l;
-                    for i in 0..n {
-                        output.z[k * n + i] = self.tile.z[i].get(l);
-                        output.w[k * n + i] = self.tile.w[i].get(l);
-                    }
-                    output.status[k] = Status::Solved as u8;
-                    output.method[k] = NEWTON;
-                    output.iterations[k] = u32::from(outcome.iterations[l]);
-                    output.residual[k] = verdict.residual.get(l);
-                    output.natural_residual[k] = verdict.natural_residual.get(l);
-                    output.alpha.write(n, k, |i| self.tile.alpha[i].get(l));
+        let zero = X::splat(0.0);
+        for i in 0..n {
+            self.tile.alpha[i] = self.tile.q[i].lt(zero);
+        }
+        if let Some(task) = guess {
+            for l in 0..X::LANES {
+                let k = task.first + members[l.min(members.len() - 1)];
+                for i in 0..n {
+                    self.tile.alpha[i].set(l, task.settings.guess.contains(n, k, i, false));
                 }
             }
-            self.left_over.extend((0..members).filter(|&l| !done.get(l)).map(|l| start + l));
+        }
+        let iterations = newton::<X, N>(n, &mut self.tile, lanes, symmetric, limit);
+        if guess.is_some() {
+            // Degenerate rows may come out a rounding error below zero: what counts is what is verified.
+            for z in &mut self.tile.z {
+                *z = z.max(zero);
+            }
+            multiply::<X, N>(n, &mut self.tile);
+        }
+        let mut verdict = self.verdict::<N>(tol);
+        for _ in 0..REFINEMENTS {
+            let wanting = lanes.and(verdict.solved.not());
+            if !wanting.any() {
+                break;
+            }
+            refine::<X, N>(n, &mut self.tile, wanting);
+            verdict = self.verdict::<N>(tol);
+        }
+        let solved = lanes.and(verdict.solved);
+        for i in 0..n {
+            self.tile.alpha[i] = zero.lt(self.tile.z[i]);
+        }
+        self.write::<N>(NEWTON, members, solved, &iterations, &verdict, output);
+        *open = open.and(solved.not());
+    }
+
+    /// Lemke's method on the lanes that are open.
+    #[inline(always)]
+    fn lemke<const N: usize>(&mut self, members: &[usize], tol: f64, open: &mut X::Mask, output: &mut Output<'_>) {
+        let n = if N == 0 { self.n } else { N };
+        let mut pivots = [0; 16];
+        let finished = self.pivots.solve::<N>(n, &mut self.tile, *open, PIVOTS_PER_ROW * n, &mut pivots);
+        multiply::<X, N>(n, &mut self.tile);
+        let verdict = self.verdict::<N>(tol);
+        let solved = finished.and(verdict.solved);
+        self.write::<N>(LEMKE, members, solved, &pivots, &verdict, output);
+        *open = open.and(solved.not());
+    }
+
+    #[inline(always)]
+    fn verdict<const N: usize>(&self, tol: f64) -> Verdict<X> {
+        let tile = &self.tile;
+        verify::<X, N>(self.n, &tile.a, &tile.q, &tile.z, &tile.w, tol)
+    }
+
+    /// Writes the results of the lanes that are solved.
+    #[inline(always)]
+    fn write<const N: usize>(
+        &self,
+        method: u8,
+        members: &[usize],
+        solved: X::Mask,
+        iterations: &[u8; 16],
+        verdict: &Verdict<X>,
+        output: &mut Output<'_>,
+    ) {
+        let n = if N == 0 { self.n } else { N };
+        for (l, &k) in members.iter().enumerate().filter(|&(l, _)| solved.get(l)) {
+            for i in 0..n {
+                output.z[k * n + i] = self.tile.z[i].get(l);
+                output.w[k * n + i] = self.tile.w[i].get(l);
+            }
+            output.status[k] = Status::Solved as u8;
+            output.method[k] = method;
+            output.iterations[k] = u32::from(iterations[l]);
+            output.residual[k] = verdict.residual.get(l);
+            output.natural_residual[k] = verdict.natural_residual.get(l);
+            output.alpha.write(n, k, |i| self.tile.alpha[i].get(l));
         }
     }
 
-    /// Copies problems into the lanes; spare lanes repeat the last one.
+    /// Copies problems into the lanes, eight numbers of each at a time; spare lanes repeat the last one.
     #[inline(always)]
-    fn load<const N: usize>(&mut self, problems: &Problems<'_, f64>, first: usize, members: usize) {
+    fn load<const N: usize>(&mut self, task: &Task<'_>, members: &[usize]) {
         let n = if N == 0 { self.n } else { N };
+        let mut sources: [(&[f64], &[f64]); 16] = [(&[], &[]); 16];
         for l in 0..X::LANES {
-            let (a, q) = problems.get(first + l.min(members - 1));
-            for (lane, &x) in self.tile.a.iter_mut().zip(&a[..n * n]) {
-                lane.set(l, x);
+            let (a, q) = task.problems.get(task.first + members[l.min(members.len() - 1)]);
+            sources[l] = (&a[..n * n], &q[..n]);
+        }
+        for (b, block) in self.tile.a[..n * n].chunks_mut(8).enumerate() {
+            for l in 0..X::LANES {
+                for (lane, &x) in block.iter_mut().zip(&sources[l].0[8 * b..]) {
+                    lane.set(l, x);
+                }
             }
-            for (lane, &x) in self.tile.q.iter_mut().zip(&q[..n]) {
+        }
+        for l in 0..X::LANES {
+            for (lane, &x) in self.tile.q[..n].iter_mut().zip(sources[l].1) {
                 lane.set(l, x);
             }
         }
@@ -183,10 +303,7 @@ impl<X: Lane<Number = f64>> Worker<X> {
     fn shape<const N: usize>(&self, members: usize) -> (X::Mask, X::Mask) {
         let n = if N == 0 { self.n } else { N };
         let a = &self.tile.a[..n * n];
-        let (mut fit, mut symmetric) = (X::Mask::NONE, X::Mask::ALL);
-        for l in 0..members {
-            fit.set(l, true);
-        }
+        let (mut fit, mut symmetric) = (lanes_of::<X>(members), X::Mask::ALL);
         for i in 0..n {
             fit = fit.and(X::splat(0.0).lt(a[i * n + i]));
             for j in 0..i {
@@ -196,39 +313,28 @@ impl<X: Lane<Number = f64>> Worker<X> {
         (fit, symmetric)
     }
 
-    /// The first guess of the support.
+    /// Lemke's method for each problem that waits; the general solver for what that leaves.
     #[inline(always)]
-    fn guess<const N: usize>(&mut self, settings: &Settings<'_>, first: usize, members: usize) {
-        let n = if N == 0 { self.n } else { N };
-        for i in 0..n {
-            self.tile.alpha[i] = self.tile.q[i].lt(X::splat(0.0));
-        }
-        if !matches!(settings.guess, super::Guess::None) {
-            for l in 0..X::LANES {
-                let k = first + l.min(members - 1);
-                for i in 0..n {
-                    self.tile.alpha[i].set(l, settings.guess.contains(n, k, i, false));
-                }
-            }
-        }
-    }
-
-    /// Lemke's method for each problem left over; the general solver for what that leaves.
-    #[inline(always)]
-    fn one_by_one(&mut self, problems: &Problems<'_, f64>, settings: &Settings<'_>, chunk: &mut Chunk<'_>) -> Result<()> {
-        let n = self.n;
-        let general = driver::Settings { tol: settings.tol, ..driver::Settings::default() };
+    fn one_by_one(&mut self, task: &Task<'_>, output: &mut Output<'_>) -> Result<()> {
+        let (n, settings) = (self.n, task.settings);
+        let mut general = driver::Settings { tol: settings.tol, ..driver::Settings::default() };
         let control = Control { interrupted: settings.interrupted, ..Control::default() };
-        for &k in &self.left_over {
-            let (a, q) = problems.get(chunk.first + k);
+        for &k in &self.waiting {
+            let place = task.first + k;
+            let (a, q) = task.problems.get(place);
             self.a.copy_from_slice(a);
             self.q.copy_from_slice(q);
-            let output = &mut chunk.output;
             let range = k * n..(k + 1) * n;
-            if n <= TABLEAU_ORDER {
-                let judged = by_tableau(&mut self.tableau, n, &self.a, &self.q, &mut self.z, &mut self.w, settings.tol);
+            let guessed = n > GUESS_ORDER && !matches!(settings.guess, Guess::None);
+            if guessed {
+                let z0 = (0..n).map(|i| f64::from(u8::from(settings.guess.contains(n, place, i, false)))).collect();
+                general.z0 = Some(z0);
+            } else if n <= TABLEAU_ORDER && n > 0 {
+                let judged = self.tableau.solve_and_verify(n, &self.a, &self.q, &mut self.w, settings.tol);
                 if let Some(judged) = judged {
-                    output.z[range.clone()].copy_from_slice(&self.z);
+                    for i in 0..n {
+                        output.z[k * n + i] = self.tableau.z(i);
+                    }
                     output.w[range].copy_from_slice(&self.w);
                     output.status[k] = Status::Solved as u8;
                     output.method[k] = LEMKE;
@@ -241,7 +347,7 @@ impl<X: Lane<Number = f64>> Worker<X> {
             }
             let solution = Lcp::new(n, self.a.clone(), self.q.clone())
                 .and_then(|lcp| driver::solve(&lcp, &general, &control))
-                .map_err(|error| in_batch(error, chunk.first + k))?;
+                .map_err(|error| in_batch(error, place))?;
             output.z[range.clone()].copy_from_slice(&solution.z);
             output.w[range].copy_from_slice(&solution.w);
             output.status[k] = solution.status as u8;
@@ -249,36 +355,28 @@ impl<X: Lane<Number = f64>> Worker<X> {
             output.iterations[k] = u32::try_from(solution.iterations).unwrap_or(u32::MAX);
             output.residual[k] = solution.residual;
             output.natural_residual[k] = solution.natural_residual;
-            output.alpha.write(n, k, |i| solution.alpha.binary_search(&i).is_ok());
+            output.alpha.write(n, k, |i| solution.alpha.contains(&i));
         }
         Ok(())
     }
 }
 
-/// Lemke's method, the answer refined until it is verified.
+/// What lanes do together.
+#[derive(Clone, Copy)]
+enum Phase {
+    Guess,
+    Newton,
+    Lemke,
+}
+
+/// The first `members` lanes.
 #[inline(always)]
-pub(super) fn by_tableau(
-    tableau: &mut Tableau,
-    n: usize,
-    a: &[f64],
-    q: &[f64],
-    z: &mut [f64],
-    w: &mut [f64],
-    tol: f64,
-) -> Option<Judged> {
-    if tableau.solve(n, a, q, 10 * n + 20) != Stop::Basis {
-        return None;
+fn lanes_of<X: Lane>(members: usize) -> X::Mask {
+    let mut lanes = X::Mask::NONE;
+    for l in 0..members {
+        lanes.set(l, true);
     }
-    tableau.solution(z);
-    let mut judged = verify_one(n, a, q, z, w, tol);
-    for _ in 0..REFINEMENTS {
-        if judged.solved {
-            break;
-        }
-        tableau.refine(z, w);
-        judged = verify_one(n, a, q, z, w, tol);
-    }
-    judged.solved.then_some(judged)
+    lanes
 }
 
 /// The error with the position in the batch before the position in the array.
