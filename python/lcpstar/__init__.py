@@ -6,20 +6,29 @@ Find z with  w = A z + q >= 0,  z >= 0,  z'w = 0.
 from . import errors
 from ._core import Solution, __version__
 from .errors import LCPError
-from .options import BlockPivotingOptions, LemkeHowsonOptions, LemkeOptions
+from .interior import potential_reduction
+from .options import BlockPivotingOptions, LemkeHowsonOptions, LemkeOptions, PotentialReductionOptions
 from .result import Certificate, Ray, Status
+from .solutions import Face, solutions
 from .solve import ppt, solve
+from .verify import Report, verify
 
 __all__ = [
     "solve",
     "ppt",
+    "solutions",
+    "verify",
+    "potential_reduction",
     "Solution",
     "Status",
     "Certificate",
+    "Face",
+    "Report",
     "Ray",
     "LemkeOptions",
     "LemkeHowsonOptions",
     "BlockPivotingOptions",
+    "PotentialReductionOptions",
     "LCPError",
     "errors",
     "__version__",

@@ -2,9 +2,10 @@ from collections.abc import Sequence
 from typing import Any, final
 
 from .coerce import Matrix, Vector
-from .options import MethodOptions
+from .options import MethodOptions, PotentialReductionOptions
 from .result import Certificate, Ray, Status
 
+__all__ = ["Solution", "__version__", "potential_direction", "potential_reduction", "ppt", "solve"]
 __version__: str
 
 @final
@@ -50,4 +51,20 @@ def solve(
     z0: Vector | None,
     options: MethodOptions | None,
 ) -> Solution: ...
-def ppt(a: Matrix, alpha: Sequence[int], q: Vector | None = ...) -> tuple[Matrix, Vector]: ...
+def ppt(a: Matrix, alpha: Sequence[int], q: Vector | None) -> tuple[Matrix, Vector]: ...
+def potential_reduction(
+    a: Matrix,
+    q: Vector,
+    z0: Vector | None,
+    eps: float,
+    max_iterations: int,
+    options: PotentialReductionOptions,
+    trace: bool,
+) -> Solution: ...
+def potential_direction(
+    a: Matrix, z: Vector, w: Vector, kappa: float, direction: str
+) -> tuple[Vector, Vector, str]: ...
+def prove_solution(
+    a: Matrix, q: Vector, alpha: Sequence[int]
+) -> tuple[str, list[int], tuple[list[int], int] | None, int]: ...
+def solutions(a: Matrix, q: Vector, time_limit: float | None, exact: bool) -> Any: ...

@@ -62,7 +62,8 @@ def _check_integers_survive(name: str, array: NDArray[Any], converted: NDArray[n
     for position in large:
         index = tuple(int(i) for i in position)
         if int(array[index]) != int(converted[index]):
-            raise DTypeError(f"{name} must hold doubles, got {_entry(name, index)} = {int(array[index])}, which is none")
+            entry = f"{_entry(name, index)} = {int(array[index])}"
+            raise DTypeError(f"{name} must hold doubles, got {entry}, which is none")
 
 
 def _not_real(name: str, array: NDArray[Any]) -> str:

@@ -51,6 +51,10 @@ class TooLargeError(LCPError, ValueError):
     """The matrix is larger than an exponential method takes."""
 
 
+class TimeLimitError(LCPError, TimeoutError):
+    """A computation that has no meaningful partial answer ran out of its `time_limit`."""
+
+
 class FileFormatError(LCPError, ValueError):
     """A problem file is malformed, incomplete or too large."""
 

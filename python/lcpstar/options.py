@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from numpy.typing import ArrayLike
 
 from .coerce import as_vector
+from .errors import OptionError
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,11 +47,33 @@ class BlockPivotingOptions:
     alpha: Sequence[int] | None = None
 
 
-MethodOptions = LemkeOptions | LemkeHowsonOptions | BlockPivotingOptions
+@dataclass(frozen=True)
+class PotentialReductionOptions:
+    """Options of `method="potential_reduction"`: the paper's parameters, as in `lcpstar.potential_reduction`.
+
+    Its `eps` is chosen from `tol`. Defaults: beta 0.5, gamma 0.5, sigma 0.2, kappa_factor 1.01, min_halvings 1,
+    direction "cholesky" (or "qr"), long_step False.
+    """
+
+    beta: float | None = None
+    gamma: float | None = None
+    sigma: float | None = None
+    kappa_factor: float | None = None
+    min_halvings: int | None = None
+    direction: str | None = None
+    long_step: bool | None = None
+
+    def __post_init__(self) -> None:
+        if self.min_halvings is not None and self.min_halvings < 0:
+            raise OptionError(f"min_halvings must be nonnegative, got {self.min_halvings}")
+
+
+MethodOptions = LemkeOptions | LemkeHowsonOptions | BlockPivotingOptions | PotentialReductionOptions
 
 #: The options class of each method that has one.
 OPTIONS: dict[str, type[MethodOptions]] = {
     "lemke": LemkeOptions,
     "lemke_howson": LemkeHowsonOptions,
     "block_pivoting": BlockPivotingOptions,
+    "potential_reduction": PotentialReductionOptions,
 }

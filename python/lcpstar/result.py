@@ -31,7 +31,8 @@ class Certificate:
     """Why a status may be believed.
 
     `kind` is "solution" (`alpha`, the complementary basis, reproduces z), "infeasible" (`y >= 0, A'y <= 0, q'y < 0`),
-    "ray" or "not_sufficient". `exact` says whether it was proved in rational arithmetic; then `z` or `y` are `Fraction`s.
+    "ray" or "not_sufficient". `exact` says whether it was proved in rational arithmetic; then `z` or `y` holds
+    `Fraction`s.
     In floating point, `A'y <= 0` holds up to rounding, bounded so that any feasible z would have norm above 1e10
     (equilibrated units).
     """
@@ -59,7 +60,20 @@ class Ray:
 
 
 _FIELDS = (
-    "z w status success method iterations residual natural_residual alpha certificate ray message time trace".split()
+    "z",
+    "w",
+    "status",
+    "success",
+    "method",
+    "iterations",
+    "residual",
+    "natural_residual",
+    "alpha",
+    "certificate",
+    "ray",
+    "message",
+    "time",
+    "trace",
 )
 
 

@@ -62,9 +62,9 @@ def solve(
 
     Notes
     -----
-    Lemke's method solves every q when A is strictly semimonotone (P, strictly copositive, ...), and every feasible q when
-    A is PSD, copositive plus, row sufficient, or in the paper's tilde class. "solved" and "infeasible" are said only after
-    a check against the given numbers. O(n^2) a pivot. [CPS92] sec. 4.4.
+    Lemke's method solves every q when A is strictly semimonotone (P, strictly copositive, ...), and every feasible q
+    when A is PSD, copositive plus, row sufficient, or in the paper's tilde class. "solved" and "infeasible" are said
+    only after a check against the given numbers. O(n^2) a pivot. [CPS92] sec. 4.4.
 
     Examples
     --------

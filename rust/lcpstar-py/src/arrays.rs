@@ -12,9 +12,10 @@ pub fn square(py: Python<'_>, name: &'static str, a: &PyReadonlyArray2<'_, f64>)
     if rows != columns {
         return Err(to_python(py, &LcpError::NotSquare { name, rows, columns }));
     }
+    // `as_slice` also takes Fortran order, in which the slice is the transpose.
     let copy = match a.as_slice() {
-        Ok(slice) => slice.to_vec(),
-        Err(_) => a.as_array().iter().copied().collect(),
+        Ok(slice) if a.is_c_contiguous() => slice.to_vec(),
+        _ => a.as_array().iter().copied().collect(),
     };
     Ok((rows, copy))
 }

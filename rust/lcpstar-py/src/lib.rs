@@ -4,7 +4,11 @@ use pyo3::prelude::*;
 
 mod arrays;
 mod batch;
+mod classes;
 mod errors;
+mod exact;
+mod explore;
+mod interior;
 mod solution;
 mod solve;
 
@@ -15,6 +19,14 @@ mod _core {
 
     #[pymodule_export]
     use crate::batch::{batch_methods, solve_batch};
+    #[pymodule_export]
+    use crate::classes::IntegerMatrix;
+    #[pymodule_export]
+    use crate::explore::{satisfies, scan};
+    #[pymodule_export]
+    use crate::exact::{prove_solution, solutions};
+    #[pymodule_export]
+    use crate::interior::{potential_direction, potential_reduction};
     #[pymodule_export]
     use crate::solution::PySolution;
     #[pymodule_export]

@@ -53,6 +53,7 @@ fn method(py: Python<'_>, name: &str, options: Option<&Bound<'_, PyAny>>, n: usi
             *patience = given.patience.unwrap_or(*patience);
             *alpha = given.alpha.map(|alpha| index_set(py, "alpha", &alpha, n)).transpose()?;
         }
+        Method::PotentialReduction(settings) => crate::interior::set_potential_options(py, settings, options)?,
     }
     Ok(method)
 }

@@ -5,9 +5,9 @@ mod portfolio;
 use crate::certify::certify;
 use crate::control::Control;
 use crate::error::{LcpError, Result};
-use crate::methods::{block_pivoting, lemke, lemke_howson};
+use crate::methods::{block_pivoting, lemke, lemke_howson, potential_reduction};
 use crate::problem::{Lcp, check_finite};
-use crate::scaling::Equilibrated;
+use crate::scaling::{Equilibrated, exponent, times_power_of_two};
 use crate::solution::{Candidate, Solution};
 
 /// The method and its options. Vectors (`d`) are in the caller's units.
@@ -28,6 +28,8 @@ pub enum Method {
     LemkeHowson(lemke_howson::Settings),
     /// Block principal pivoting for P-matrices.
     BlockPivoting(block_pivoting::Settings),
+    /// The paper's method; its stopping rule is replaced by one that gives `residual <= tol`.
+    PotentialReduction(potential_reduction::Settings),
 }
 
 /// Restarts of Lemke's method with random covering vectors, unless the caller says otherwise.
@@ -35,7 +37,8 @@ pub const DEFAULT_RESTARTS: usize = 6;
 
 impl Method {
     /// Names accepted by [`Method::from_name`].
-    pub const NAMES: &'static [&'static str] = &["auto", "lemke", "lemke_howson", "block_pivoting"];
+    pub const NAMES: &'static [&'static str] =
+        &["auto", "lemke", "lemke_howson", "block_pivoting", "potential_reduction"];
 
     /// The method of that name with its default options.
     ///
@@ -47,6 +50,7 @@ impl Method {
             "lemke" => Ok(Self::Lemke { settings: lemke::Settings::default(), restarts: DEFAULT_RESTARTS, seed: 0 }),
             "lemke_howson" => Ok(Self::LemkeHowson(lemke_howson::Settings::default())),
             "block_pivoting" => Ok(Self::BlockPivoting(block_pivoting::Settings::default())),
+            "potential_reduction" => Ok(Self::PotentialReduction(potential_reduction::Settings::default())),
             _ => Err(LcpError::UnknownName { name: "method", value: name.to_owned(), choices: Self::NAMES }),
         }
     }
@@ -87,7 +91,7 @@ pub fn solve(lcp: &Lcp, settings: &Settings, control: &Control<'_>) -> Result<So
         Method::Auto => portfolio::auto(&problem, settings, control),
         Method::Lemke { settings: options, restarts, seed } => match &options.d {
             Some(d) => {
-                let options = lemke::Settings { d: Some(problem.scaling.w_from_caller(d)) };
+                let options = lemke::Settings { d: Some(covering_vector(&problem, d)) };
                 certify(&problem, lemke::lemke::<f64>(scaled, &options, control), "lemke", settings.tol)
             }
             None => portfolio::lemke(&problem, *restarts, *seed, settings.tol, control),
@@ -100,7 +104,47 @@ pub fn solve(lcp: &Lcp, settings: &Settings, control: &Control<'_>) -> Result<So
             options.alpha = options.alpha.or_else(|| settings.z0.as_deref().map(support));
             certify(&problem, block_pivoting::block_pivoting(scaled, &options, control), "block_pivoting", settings.tol)
         }
+        Method::PotentialReduction(options) => {
+            let stop = potential_reduction::Stop::Residual(settings.tol);
+            let options = potential_reduction::Settings { stop, ..options.clone() };
+            let z0 = settings.z0.as_deref().filter(|z0| potential_reduction::is_strictly_feasible(lcp, z0));
+            reduce_potential(&problem, z0, &options, control, settings.tol, |_| ())?
+        }
     })
+}
+
+/// The paper's potential reduction method with its own stopping rule; `trace` receives each row of its table.
+///
+/// The tolerance of the verdict follows from the rule: `z'w <= eps` bounds every `min(z_i, w_i)` by `sqrt(eps)`, and
+/// that is what "solved" asks of the equilibrated residual (at most `1e-2`).
+///
+/// # Errors
+/// `OutOfRange` for a parameter; `WrongLength`, `NotFinite` or `NotStrictlyFeasible` for `z0`.
+pub fn potential_reduction(
+    lcp: &Lcp,
+    z0: Option<&[f64]>,
+    settings: &potential_reduction::Settings,
+    control: &Control<'_>,
+    trace: impl FnMut(potential_reduction::Record),
+) -> Result<Solution> {
+    let tol = match settings.stop {
+        potential_reduction::Stop::Gap(eps) => eps.sqrt().min(1e-2),
+        potential_reduction::Stop::Residual(tol) => tol,
+    };
+    reduce_potential(&Equilibrated::new(lcp), z0, settings, control, tol, trace)
+}
+
+fn reduce_potential(
+    problem: &Equilibrated<'_>,
+    z0: Option<&[f64]>,
+    settings: &potential_reduction::Settings,
+    control: &Control<'_>,
+    tol: f64,
+    trace: impl FnMut(potential_reduction::Record),
+) -> Result<Solution> {
+    let found = potential_reduction::potential_reduction(problem.original, z0, settings, control, trace)?;
+    let candidate = Candidate { z: problem.scaling.z_from_caller(&found.z), ..found };
+    Ok(certify(problem, candidate, "potential_reduction", tol))
 }
 
 /// Sizes and ranges of everything beside the problem itself.
@@ -164,6 +208,15 @@ fn warm(problem: &Equilibrated<'_>, settings: &Settings) -> Option<Solution> {
     let candidate = Candidate { alpha: Some(alpha), ..Candidate::point(z, crate::Termination::ComplementaryBasis, 0) };
     let solution = certify(problem, candidate, "warm_start", settings.tol);
     (solution.status == crate::Status::Solved).then_some(solution)
+}
+
+/// The caller's covering vector on the equilibrated problem, scaled to a maximum near 1: a common factor only changes
+/// the unit of `z_0`, which should be that of everything else.
+fn covering_vector(problem: &Equilibrated<'_>, d: &[f64]) -> Vec<f64> {
+    let scaled = |d: &f64, shift: i32| times_power_of_two(*d, shift);
+    let shift = |d: &f64, r: &i32| exponent(*d) + r;
+    let largest = d.iter().zip(&problem.scaling.rows).map(|(d, r)| shift(d, r)).max().unwrap_or(0);
+    d.iter().zip(&problem.scaling.rows).map(|(d, r)| scaled(d, r - largest).max(f64::MIN_POSITIVE)).collect()
 }
 
 /// Indices of the positive entries.

@@ -20,6 +20,7 @@ pub mod problem;
 pub mod residual;
 pub mod scaling;
 pub mod solution;
+pub mod solutions;
 pub mod status;
 
 pub use control::Control;

@@ -3,6 +3,7 @@
 //! Positive diagonals keep signs, supports and complementarity; powers of two keep every digit, so solutions,
 //! rays and Farkas vectors of the scaled problem are those of the caller's. Only exponents are stored.
 
+use crate::linalg::kernels;
 use crate::problem::Lcp;
 
 /// Binary exponents of the diagonals `D_r`, `D_c` and of the factor `s`.
@@ -44,7 +45,8 @@ fn power_of_two(e: i32) -> f64 {
 }
 
 /// The exponent `e` with `2^(e-1) <= |x| < 2^e`; `ZERO` for zero.
-fn exponent(x: f64) -> i32 {
+#[must_use]
+pub fn exponent(x: f64) -> i32 {
     let biased = ((x.to_bits() >> 52) & 0x7ff) as i32;
     match biased {
         0 if x == 0.0 => ZERO,
@@ -65,6 +67,15 @@ impl Scaling {
     /// Rows and columns are updated together, so a symmetric matrix gets `D_r = D_c` and stays symmetric.
     #[must_use]
     pub fn new(lcp: &Lcp) -> Self {
+        let n = lcp.n();
+        let (rows, columns) = if is_equilibrated(lcp) { (vec![0; n], vec![0; n]) } else { Self::sweeps(lcp) };
+        let largest = lcp.q().iter().zip(&rows).map(|(&x, r)| exponent(x) + r).max().unwrap_or(ZERO);
+        let q = if largest < ZERO / 2 { 0 } else { -largest };
+        Self { rows, columns, q }
+    }
+
+    /// The exponents of `D_r` and `D_c`.
+    fn sweeps(lcp: &Lcp) -> (Vec<i32>, Vec<i32>) {
         let n = lcp.n();
         let exponents: Vec<i32> = lcp.a().iter().map(|&x| exponent(x)).collect();
         let (mut rows, mut columns) = (vec![0; n], vec![0; n]);
@@ -88,9 +99,7 @@ impl Scaling {
                 break;
             }
         }
-        let largest = lcp.q().iter().zip(&rows).map(|(&x, r)| exponent(x) + r).max().unwrap_or(ZERO);
-        let q = if largest < ZERO / 2 { 0 } else { -largest };
-        Self { rows, columns, q }
+        (rows, columns)
     }
 
     /// `z` of the caller from `z'` of the equilibrated problem.
@@ -111,7 +120,7 @@ impl Scaling {
         w.iter().zip(&self.rows).map(|(&w, r)| times_power_of_two(w, -r - self.q)).collect()
     }
 
-    /// A vector in w-space (a covering vector) from the caller's: `d' = s D_r d`.
+    /// A vector in w-space (a slack, a covering vector) from the caller's: `d' = s D_r d`.
     #[must_use]
     pub fn w_from_caller(&self, w: &[f64]) -> Vec<f64> {
         w.iter().zip(&self.rows).map(|(&w, r)| times_power_of_two(w, r + self.q)).collect()
@@ -130,6 +139,19 @@ impl Scaling {
     }
 }
 
+/// Whether every row and column has its largest entry in [1/4, 2) already: one pass, no exponents.
+fn is_equilibrated(lcp: &Lcp) -> bool {
+    let n = lcp.n();
+    let mut columns = vec![0.0; n];
+    let near_one = |m: f64| (0.25..2.0).contains(&m);
+    for i in 0..n {
+        if !near_one(kernels::max_into(lcp.row(i), &mut columns)) {
+            return false;
+        }
+    }
+    columns.into_iter().all(near_one)
+}
+
 /// Moves `exponent` half the way that brings the largest entry, `2^largest`, to 1; `false` when it is there.
 fn halve(exponent: &mut i32, largest: i32) -> bool {
     let current = largest + *exponent;
@@ -146,11 +168,16 @@ impl<'a> Equilibrated<'a> {
     pub fn new(original: &'a Lcp) -> Self {
         let scaling = Scaling::new(original);
         let n = original.n();
-        let mut a = Vec::with_capacity(n * n);
-        for i in 0..n {
-            let r = scaling.rows[i];
-            a.extend(original.row(i).iter().zip(&scaling.columns).map(|(&x, c)| times_power_of_two(x, r + c)));
-        }
+        let a = if scaling.rows.iter().chain(&scaling.columns).all(|&e| e == 0) {
+            original.a().to_vec()
+        } else {
+            let mut a = Vec::with_capacity(n * n);
+            for i in 0..n {
+                let r = scaling.rows[i];
+                a.extend(original.row(i).iter().zip(&scaling.columns).map(|(&x, c)| times_power_of_two(x, r + c)));
+            }
+            a
+        };
         let q = original.q().iter().zip(&scaling.rows).map(|(&x, r)| times_power_of_two(x, r + scaling.q)).collect();
         Self { original, lcp: Lcp::trusted(n, a, q), scaling }
     }

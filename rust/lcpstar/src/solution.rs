@@ -16,7 +16,7 @@ pub struct Ray {
     pub z0_hat: f64,
     /// Direction of the slacks, `w_hat = A z_hat + d z0_hat >= 0`.
     pub w_hat: Vec<f64>,
-    /// The covering vector.
+    /// The covering vector, up to a positive factor that `z0` and `z0_hat` make up for.
     pub d: Vec<f64>,
 }
 

@@ -1,1 +1,13 @@
 //! Exact arithmetic on the binary numbers that were given.
+
+pub mod cone;
+pub mod elimination;
+pub mod imatrix;
+pub mod int;
+pub mod lp;
+pub mod dyadic;
+pub mod modular;
+pub mod padic;
+pub mod proof;
+pub mod reconstruct;
+pub mod repair;

@@ -1,15 +1,19 @@
 //! The one file that names nalgebra and faer.
 //!
 //! Dense square systems: nalgebra below [`CUT_OVER`], where a factorisation costs less than faer's dispatch, faer from
-//! there on, where blocking pays. The cut-over was measured by `cargo bench --bench backend`
+//! there on, where blocking pays. The cut-over was measured by `cargo bench -p lcpstar --bench backend`
 //! (record in `benches/record/backend.md`).
+
+mod gram;
+
+pub use gram::{GramCholesky, StackedQr};
 
 use super::kernels::{dot_compensated, max_abs};
 use faer::linalg::solvers::{PartialPivLu, Solve};
 use nalgebra::{DMatrix, DVector, Dyn, LU};
 
 /// Order from which faer is the faster of the two.
-pub const CUT_OVER: usize = 32;
+pub const CUT_OVER: usize = 48;
 
 /// `P B = L U` of a dense square matrix, by partial pivoting.
 pub struct DenseLu {
@@ -27,16 +31,23 @@ impl DenseLu {
     #[must_use]
     pub fn new(n: usize, b: &[f64]) -> Option<Self> {
         debug_assert!(b.len() == n * n);
-        let factors = if n < CUT_OVER {
-            let lu = LU::new(DMatrix::from_row_slice(n, n, b));
-            let u = lu.u();
-            (0..n).all(|i| is_pivot(u[(i, i)])).then_some(Factors::Small(lu))?
-        } else {
-            let lu = PartialPivLu::new(faer::MatRef::from_row_major_slice(b, n, n));
-            let u = lu.U();
-            (0..n).all(|i| is_pivot(u[(i, i)])).then_some(Factors::Large(lu))?
-        };
-        Some(Self { n, factors })
+        if n < CUT_OVER { Self::small(n, b) } else { Self::large(n, b) }
+    }
+
+    /// As [`DenseLu::new`], by nalgebra whatever n is.
+    #[must_use]
+    pub fn small(n: usize, b: &[f64]) -> Option<Self> {
+        let lu = LU::new(DMatrix::from_row_slice(n, n, b));
+        let u = lu.lu_internal();
+        (0..n).all(|i| is_pivot(u[(i, i)])).then_some(Self { n, factors: Factors::Small(lu) })
+    }
+
+    /// As [`DenseLu::new`], by faer whatever n is.
+    #[must_use]
+    pub fn large(n: usize, b: &[f64]) -> Option<Self> {
+        let lu = PartialPivLu::new(faer::MatRef::from_row_major_slice(b, n, n));
+        let u = lu.U();
+        (0..n).all(|i| is_pivot(u[(i, i)])).then_some(Self { n, factors: Factors::Large(lu) })
     }
 
     /// `B^-1 b`. O(n^2).
@@ -87,31 +98,86 @@ impl DenseLu {
         }
     }
 
-    /// `B^-1 b` with iterative refinement on residuals in twice the working precision: the backward error ends at
-    /// rounding level row by row unless `B` is numerically singular. [Hig02, ch. 12]
+    /// `B^-1 b`, refined; `rows` is the matrix that was factored. See [`refine`].
     #[must_use]
     pub fn solve_refined(&self, b: &[f64], rows: &[f64]) -> Vec<f64> {
-        let mut x = self.solve(b);
-        let mut last = f64::INFINITY;
-        for _ in 0..REFINEMENTS {
-            let (residual, magnitude): (Vec<f64>, Vec<f64>) =
-                (0..self.n).map(|i| negated_residual(&rows[i * self.n..(i + 1) * self.n], b[i], &x)).unzip();
-            let backward = residual.iter().zip(&magnitude).map(|(r, m)| ratio(*r, *m)).fold(0.0, f64::max);
-            // NaN fails the comparison and stops, too.
-            if backward.is_nan() || backward <= f64::EPSILON || backward > 0.5 * last {
-                break;
+        refine(|r| self.solve(r), b, rows)
+    }
+}
+
+/// `B = L L'` of a symmetric positive definite matrix; only the lower triangle is read.
+pub struct DenseCholesky {
+    n: usize,
+    factor: CholeskyFactor,
+}
+
+enum CholeskyFactor {
+    Small(nalgebra::Cholesky<f64, Dyn>),
+    Large(faer::linalg::solvers::Llt<f64>),
+}
+
+impl DenseCholesky {
+    /// Factors the row-major matrix `b`. O(n^3). `None` if it is not positive definite to rounding.
+    #[must_use]
+    pub fn new(n: usize, b: &[f64]) -> Option<Self> {
+        debug_assert!(b.len() == n * n);
+        let factor = if n < CUT_OVER {
+            // Symmetric: the column-major copy of a row-major matrix is the matrix itself.
+            CholeskyFactor::Small(nalgebra::Cholesky::new(DMatrix::from_column_slice(n, n, b))?)
+        } else {
+            let b = faer::MatRef::from_row_major_slice(b, n, n);
+            CholeskyFactor::Large(faer::linalg::solvers::Llt::new(b, faer::Side::Lower).ok()?)
+        };
+        Some(Self { n, factor })
+    }
+
+    /// `B^-1 b`. O(n^2).
+    #[must_use]
+    pub fn solve(&self, b: &[f64]) -> Vec<f64> {
+        debug_assert!(b.len() == self.n);
+        if b.is_empty() {
+            return Vec::new();
+        }
+        match &self.factor {
+            CholeskyFactor::Small(factor) => {
+                let mut x = DVector::from_column_slice(b);
+                factor.solve_mut(&mut x);
+                x.as_slice().to_vec()
             }
-            last = backward;
-            let step = self.solve(&residual);
-            if !max_abs(&step).is_finite() {
-                break;
-            }
-            for (x, s) in x.iter_mut().zip(&step) {
-                *x += s;
+            CholeskyFactor::Large(factor) => {
+                let mut x = faer::Mat::from_fn(self.n, 1, |i, _| b[i]);
+                factor.solve_in_place(&mut x);
+                (0..self.n).map(|i| x[(i, 0)]).collect()
             }
         }
-        x
     }
+}
+
+/// A solution of `B x = b` from a `solve` that factored the row-major `rows` of B, with iterative refinement on residuals
+/// in twice the working precision: the backward error ends at rounding level row by row unless B is numerically
+/// singular. [Hig02, ch. 12]
+pub fn refine(solve: impl Fn(&[f64]) -> Vec<f64>, b: &[f64], rows: &[f64]) -> Vec<f64> {
+    let n = b.len();
+    let mut x = solve(b);
+    let mut last = f64::INFINITY;
+    for _ in 0..REFINEMENTS {
+        let (residual, magnitude): (Vec<f64>, Vec<f64>) =
+            (0..n).map(|i| negated_residual(&rows[i * n..(i + 1) * n], b[i], &x)).unzip();
+        let backward = residual.iter().zip(&magnitude).map(|(r, m)| ratio(*r, *m)).fold(0.0, f64::max);
+        // NaN fails the comparison and stops, too.
+        if backward.is_nan() || backward <= f64::EPSILON || backward > 0.5 * last {
+            break;
+        }
+        last = backward;
+        let step = solve(&residual);
+        if !max_abs(&step).is_finite() {
+            break;
+        }
+        for (x, s) in x.iter_mut().zip(&step) {
+            *x += s;
+        }
+    }
+    x
 }
 
 /// Refinement steps at most: each gains the digits that the factorisation has, so three reach rounding level.

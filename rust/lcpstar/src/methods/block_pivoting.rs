@@ -5,9 +5,10 @@
 //! For a P-matrix it ends at the unique solution, typically after 2 to 8 factorisations, whatever n.
 
 use crate::control::Control;
-use crate::pivoting::basis::basic_point;
+use crate::linalg::backend::{DenseCholesky, DenseLu, refine};
+use crate::linalg::kernels;
+use crate::pivoting::basis::principal_block;
 use crate::problem::Lcp;
-use crate::residual::slack;
 use crate::solution::Candidate;
 use crate::status::Termination;
 
@@ -33,6 +34,8 @@ pub fn default_limit(n: usize) -> usize {
 }
 
 /// Solves LCP(q, A) for a P-matrix A. O(|alpha|^3 + n^2) an iteration.
+///
+/// Iterations run in plain doubles; the last basis is solved again with refinement.
 #[must_use]
 pub fn block_pivoting(lcp: &Lcp, settings: &Settings, control: &Control<'_>) -> Candidate {
     let n = lcp.n();
@@ -41,43 +44,102 @@ pub fn block_pivoting(lcp: &Lcp, settings: &Settings, control: &Control<'_>) -> 
         Some(alpha) => alpha.iter().for_each(|&i| in_alpha[i] = true),
         None => in_alpha.iter_mut().zip(lcp.q()).for_each(|(a, &q)| *a = q < 0.0),
     }
+    let symmetric = is_symmetric(lcp);
+    let (mut z, mut w) = (vec![0.0; n], vec![0.0; n]);
+    let mut wrong = Vec::with_capacity(n);
     let (mut fewest, mut patience) = (n + 1, settings.patience);
     let mut iterations = 0;
-    let mut z = vec![0.0; n];
+    let mut alpha = None;
     let termination = loop {
         if let Some(reason) = control.stop(iterations, default_limit(n)) {
             break reason;
         }
-        let alpha = members(&in_alpha);
-        match basic_point(lcp, &alpha) {
-            Some(point) => z = point,
-            None => break Termination::Breakdown("A[alpha, alpha] became singular: A is not a P-matrix"),
-        }
+        let Some(block) = Block::new(lcp, members(&in_alpha), symmetric) else {
+            break Termination::Breakdown("A[alpha, alpha] became singular: A is not a P-matrix");
+        };
+        block.point(&mut z);
+        kernels::affine(lcp.q(), lcp.a(), &z, &mut w);
         iterations += 1;
-        let (w, magnitude) = slack(lcp, &z);
-        let wrong = |i: usize| if in_alpha[i] { z[i] < 0.0 } else { w[i] < -SIGN * magnitude[i] };
-        let infeasible: Vec<usize> = (0..n).filter(|&i| wrong(i)).collect();
-        let Some(&last) = infeasible.last() else {
+        wrong_signs(&in_alpha, &z, &w, &mut wrong);
+        let Some(&last) = wrong.last() else {
+            block.refined_point(&mut z);
+            alpha = Some(block.alpha);
             break Termination::ComplementaryBasis;
         };
-        if infeasible.len() < fewest {
-            fewest = infeasible.len();
+        if wrong.len() < fewest {
+            fewest = wrong.len();
             patience = settings.patience;
-        } else if patience > 0 {
-            patience -= 1;
-        }
-        if patience > 0 {
-            infeasible.iter().for_each(|&i| in_alpha[i] = !in_alpha[i]);
         } else {
-            in_alpha[last] = !in_alpha[last];
+            patience = patience.saturating_sub(1);
         }
+        let exchanged = if patience > 0 { wrong.as_slice() } else { &[last] };
+        exchanged.iter().for_each(|&i| in_alpha[i] = !in_alpha[i]);
     };
-    let alpha = (termination == Termination::ComplementaryBasis).then(|| members(&in_alpha));
     Candidate { alpha, ..Candidate::point(z, termination, iterations) }
 }
 
-/// `w_i` counts as negative below `-SIGN (|A||z| + |q|)_i`: rounding must not exchange an index for ever.
-const SIGN: f64 = 4.0 * f64::EPSILON;
+/// The basic block `A[alpha, alpha]` and its factorisation.
+struct Block {
+    alpha: Vec<usize>,
+    rows: Vec<f64>,
+    rhs: Vec<f64>,
+    factor: Factor,
+}
+
+enum Factor {
+    Cholesky(DenseCholesky),
+    Lu(DenseLu),
+}
+
+impl Block {
+    /// `None` when the block is singular. Cholesky when A is symmetric and the block positive definite, LU otherwise.
+    fn new(lcp: &Lcp, alpha: Vec<usize>, symmetric: bool) -> Option<Self> {
+        let rows = principal_block(lcp, &alpha);
+        let rhs = alpha.iter().map(|&i| -lcp.q()[i]).collect();
+        let cholesky = if symmetric { DenseCholesky::new(alpha.len(), &rows).map(Factor::Cholesky) } else { None };
+        let factor = cholesky.or_else(|| DenseLu::new(alpha.len(), &rows).map(Factor::Lu))?;
+        Some(Self { alpha, rows, rhs, factor })
+    }
+
+    fn solve(&self, b: &[f64]) -> Vec<f64> {
+        match &self.factor {
+            Factor::Cholesky(factor) => factor.solve(b),
+            Factor::Lu(factor) => factor.solve(b),
+        }
+    }
+
+    /// `z_alpha = -A[alpha, alpha]^-1 q_alpha`, zero elsewhere.
+    fn point(&self, z: &mut [f64]) {
+        self.scatter(self.solve(&self.rhs), z);
+    }
+
+    /// As [`Block::point`], refined to rounding level.
+    fn refined_point(&self, z: &mut [f64]) {
+        self.scatter(refine(|b| self.solve(b), &self.rhs, &self.rows), z);
+    }
+
+    fn scatter(&self, z_alpha: Vec<f64>, z: &mut [f64]) {
+        z.fill(0.0);
+        for (&i, x) in self.alpha.iter().zip(z_alpha) {
+            z[i] = x;
+        }
+    }
+}
+
+/// Indices with `z_i < 0` in alpha or `w_i < 0` outside, beyond rounding.
+fn wrong_signs(in_alpha: &[bool], z: &[f64], w: &[f64], wrong: &mut Vec<usize>) {
+    let noise = SIGN * kernels::max_abs(z).max(1.0);
+    wrong.clear();
+    wrong.extend((0..z.len()).filter(|&i| if in_alpha[i] { z[i] < -noise } else { w[i] < -noise }));
+}
+
+/// A sign is wrong below `-SIGN max(1, max|z|)`: rounding must not exchange an index for ever.
+const SIGN: f64 = 1e-13;
+
+fn is_symmetric(lcp: &Lcp) -> bool {
+    let n = lcp.n();
+    (0..n).all(|i| (0..i).all(|j| lcp.row(i)[j] == lcp.row(j)[i]))
+}
 
 fn members(in_alpha: &[bool]) -> Vec<usize> {
     (0..in_alpha.len()).filter(|&i| in_alpha[i]).collect()

@@ -2,5 +2,8 @@
 //! [`Candidate`](crate::Candidate): it never imports another method and never judges its own answer.
 
 pub mod block_pivoting;
+pub mod enumerate;
+pub mod feasibility;
 pub mod lemke;
 pub mod lemke_howson;
+pub mod potential_reduction;

@@ -2,9 +2,10 @@
 
 use super::real::Real;
 use super::var::Var;
+use crate::linalg::kernels;
 use crate::problem::Lcp;
 
-/// `x_B = q_bar + T x_N`: row `r` holds `(q_bar_r | T_r0 .. T_rn)`; n basic, n + 1 nonbasic variables.
+/// `x_B = q_bar + T x_N`: row `r` holds `(q_bar_r | T_r0 .. T_rn)` and padding; n basic, n + 1 nonbasic variables.
 ///
 /// It starts as `w = q + A z + d z_0`. The columns of the basis inverse, which the lexicographic order needs, are there
 /// already: `B^-1 e_j` is `-T` in the column of a nonbasic `w_j`, and a unit vector while `w_j` is basic.
@@ -44,12 +45,13 @@ impl<T: Real> Dictionary<T> {
     pub fn new(lcp: &Lcp, d: &[f64]) -> Self {
         let n = lcp.n();
         debug_assert!(d.len() == n);
-        let width = n + 2;
+        let width = (n + 2).next_multiple_of(kernels::LANES);
         let mut rows = Vec::with_capacity(n * width);
         for i in 0..n {
             rows.push(T::from(lcp.q()[i]));
             rows.extend(lcp.row(i).iter().map(|&a| T::from(a)));
             rows.push(T::from(d[i]));
+            rows.resize((i + 1) * width, T::from(0.0));
         }
         Self {
             n,
@@ -191,18 +193,7 @@ impl<T: Real> Dictionary<T> {
             *new = -(old * inverse);
         }
         pivot_row[c] = inverse;
-        let zero = T::from(0.0);
-        for (i, row) in self.rows.chunks_exact_mut(width).enumerate() {
-            if i == r {
-                row.copy_from_slice(&pivot_row);
-                continue;
-            }
-            let f = row[c];
-            if f != zero {
-                row[c] = zero;
-                T::axpy(f, &pivot_row, row);
-            }
-        }
+        T::pivot(&mut self.rows, width, r, c, &pivot_row);
         self.pivot_row = pivot_row;
         let (left, entered) = (self.basic[r], self.nonbasic[s]);
         self.basic[r] = entered;

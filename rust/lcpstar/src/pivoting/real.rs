@@ -23,8 +23,8 @@ pub trait Real:
     /// Rounded to double.
     fn to_f64(self) -> f64;
 
-    /// `y += f x`.
-    fn axpy(f: Self, x: &[Self], y: &mut [Self]);
+    /// One pivot of a dictionary, see [`kernels::pivot`].
+    fn pivot(rows: &mut [Self], stride: usize, r: usize, c: usize, pivot_row: &[Self]);
 }
 
 impl Real for f64 {
@@ -34,8 +34,8 @@ impl Real for f64 {
         self
     }
 
-    fn axpy(f: Self, x: &[Self], y: &mut [Self]) {
-        kernels::axpy(f, x, y);
+    fn pivot(rows: &mut [Self], stride: usize, r: usize, c: usize, pivot_row: &[Self]) {
+        kernels::pivot(rows, stride, r, c, pivot_row);
     }
 }
 
@@ -46,9 +46,16 @@ impl Real for Dd {
         self.hi
     }
 
-    fn axpy(f: Self, x: &[Self], y: &mut [Self]) {
-        for (y, &x) in y.iter_mut().zip(x) {
-            *y = *y + f * x;
+    fn pivot(rows: &mut [Self], stride: usize, r: usize, c: usize, pivot_row: &[Self]) {
+        for (i, row) in rows.chunks_exact_mut(stride).enumerate() {
+            let f = std::mem::replace(&mut row[c], Self::ZERO);
+            if i == r {
+                row.copy_from_slice(pivot_row);
+            } else if f != Self::ZERO {
+                for (y, &x) in row.iter_mut().zip(pivot_row) {
+                    *y = *y + f * x;
+                }
+            }
         }
     }
 }

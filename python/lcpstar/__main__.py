@@ -1,0 +1,130 @@
+"""The command line: `lcpstar solve FILE`, `lcpstar paper`. Exit status 0 solved, 1 not solved, 2 bad input."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from typing import Any
+
+from . import __version__
+from .errors import FileFormatError, LCPError
+from .files import read_problem
+from .solve import solve
+
+METHODS = ("auto", "lemke", "lemke_howson", "block_pivoting", "potential_reduction")
+
+
+def main(argv: list[str] | None = None) -> int:
+    """Run the command line; returns the exit status."""
+    parser = argparse.ArgumentParser(prog="lcpstar", description=__doc__)
+    parser.add_argument("--version", action="version", version=f"lcpstar {__version__}")
+    commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
+    _add_solve(commands)
+    paper = commands.add_parser("paper", help="recompute the paper's example and its Table 1")
+    paper.set_defaults(run=_paper)
+    arguments = parser.parse_args(argv)
+    try:
+        return int(arguments.run(arguments))
+    except LCPError as error:
+        print(f"lcpstar: {error}", file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        print("lcpstar: interrupted", file=sys.stderr)
+        return 130
+
+
+def _add_solve(commands: Any) -> None:
+    parser = commands.add_parser("solve", help="solve the LCP in FILE", description="Solve the LCP in FILE.")
+    parser.add_argument("file", metavar="FILE", help=".json or .npz with A and q, or .mtx/.csv with the matrix")
+    parser.add_argument("q", metavar="Q", nargs="?", help=".csv with q, when FILE holds the matrix alone")
+    parser.add_argument("--method", default="auto", help=f"one of {', '.join(METHODS)} (default: auto)")
+    parser.add_argument("--tol", type=float, default=1e-9, help="bound on the residual of a solved problem")
+    parser.add_argument("--max-iterations", type=int, metavar="N", help="pivots or iterations in all")
+    parser.add_argument("--time-limit", type=float, metavar="SECONDS")
+    parser.add_argument("--certify", default="float", choices=("float", "exact"))
+    parser.add_argument("--json", action="store_true", help="print the result as one JSON object")
+    parser.set_defaults(run=_solve)
+
+
+def _solve(arguments: argparse.Namespace) -> int:
+    A, q = read_problem(arguments.file, arguments.q)
+    if q is None:
+        raise FileFormatError(f"{arguments.file}: no q; give it in the file or as a second argument")
+    solution = solve(
+        A,
+        q,
+        method=arguments.method,
+        tol=arguments.tol,
+        max_iterations=arguments.max_iterations,
+        time_limit=arguments.time_limit,
+        certify=arguments.certify,
+    )
+    if arguments.json:
+        print(json.dumps(solution_as_dict(solution)))
+    else:
+        print(describe(solution))
+    return 0 if solution.success else 1
+
+
+def _paper(arguments: argparse.Namespace) -> int:
+    from .paper import main as report
+
+    report()
+    return 0
+
+
+def describe(solution: Any) -> str:
+    """A few lines that a person reads."""
+    lines = [
+        f"status            {solution.status}",
+        f"method            {solution.method}, {solution.iterations} iterations, {solution.time:.3g} s",
+        f"residual          {solution.residual:.3e} (equilibrated), {solution.natural_residual:.3e} max|min(z, w)|",
+    ]
+    if solution.certificate is not None:
+        proof = "exact rational arithmetic" if solution.certificate.exact else "floating point, checked"
+        lines.append(f"certificate       {solution.certificate.kind}, {proof}")
+    if len(solution.z) <= 20:
+        lines += [f"z                 {_numbers(solution.z)}", f"w                 {_numbers(solution.w)}"]
+    return "\n".join([*lines, solution.message])
+
+
+def _numbers(vector: Any) -> str:
+    return " ".join(f"{x:.6g}" for x in vector)
+
+
+def solution_as_dict(solution: Any) -> dict[str, Any]:
+    """Plain values: lists of floats, exact numbers as strings."""
+    certificate = solution.certificate
+    return {
+        "status": str(solution.status),
+        "success": solution.success,
+        "method": solution.method,
+        "iterations": solution.iterations,
+        "residual": solution.residual,
+        "natural_residual": solution.natural_residual,
+        "z": solution.z.tolist(),
+        "w": solution.w.tolist(),
+        "alpha": list(solution.alpha),
+        "certificate": None
+        if certificate is None
+        else {
+            "kind": certificate.kind,
+            "exact": certificate.exact,
+            "alpha": certificate.alpha,
+            "y": _plain(certificate.y),
+            "z": _plain(certificate.z),
+        },
+        "time": solution.time,
+        "message": solution.message,
+    }
+
+
+def _plain(vector: Any) -> list[Any] | None:
+    if vector is None:
+        return None
+    return [x if isinstance(x, float) else str(x) for x in list(vector)]
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,526 @@
+//! Exact pivoting from a basis that floating point proposed: Lemke's path, and the feasibility of FEA(q, A).
+//!
+//! No tableau is kept. The basis is a square block of `[A | d]` of the size of the basic z's; every pivot solves
+//! with it p-adically, so numbers never grow from pivot to pivot.
+
+use super::dyadic::{RationalVec, Scaled, linear_form};
+use super::padic::{Block, Unsolved, independent_rows_and_columns};
+use super::proof::{ExactRay, ExactSolution, ProofOutcome, prove_solution};
+use crate::problem::Lcp;
+use num_bigint::BigInt;
+use num_traits::{Signed, ToPrimitive, Zero};
+use std::cmp::Ordering;
+
+/// How exact pivoting ended.
+#[derive(Clone, Debug)]
+pub enum Repaired {
+    /// A proved solution, and the pivots it took.
+    Solved(ExactSolution, usize),
+    /// No solution on the path from the proposed basis, and the path from z = 0 with covering vector d = e ended on
+    /// this secondary ray.
+    Ray(ExactRay),
+    /// `stop` said so.
+    Interrupted,
+}
+
+/// Lemke's method in exact arithmetic, with the exact lexicographic rule, on the principal transform at `alpha`
+/// with covering vector e there. When `alpha` solves the problem no pivot is made; when it is wrong in a few signs
+/// a few pivots repair it. A singular start is cut down to independent rows; where that path ends on a ray, Lemke's
+/// own path from z = 0 is followed.
+///
+/// Cost: one factorisation modulo a prime and two p-adic solves a pivot, more only on exact ties.
+#[must_use]
+pub fn repair(lcp: &Lcp, alpha: &[usize], stop: &dyn Fn() -> bool) -> Repaired {
+    let k = alpha.len();
+    let order: Vec<usize> = (0..k).collect();
+    let (rows, _) = independent_rows_and_columns(k, k, |i, j| lcp.row(alpha[i])[alpha[j]], &order);
+    let cut: Vec<usize> = rows.iter().map(|&r| alpha[r]).collect();
+    match Path::new(lcp, &cut).follow(stop) {
+        Err(Unsolved::Interrupted) => Repaired::Interrupted,
+        Ok(outcome @ (Repaired::Solved(..) | Repaired::Interrupted)) => outcome,
+        Ok(Repaired::Ray(..)) | Err(Unsolved::Singular) => {
+            Path::new(lcp, &[]).follow(stop).unwrap_or(Repaired::Interrupted)
+        }
+    }
+}
+
+/// The proof of an answer with basis `alpha`: [`prove_solution`] where the basis is right, [`repair`] where it is not.
+#[must_use]
+pub fn prove(lcp: &Lcp, alpha: &[usize], stop: &dyn Fn() -> bool) -> Repaired {
+    match prove_solution(lcp, alpha, stop) {
+        ProofOutcome::Proved(solution) => Repaired::Solved(solution, 0),
+        ProofOutcome::Interrupted => Repaired::Interrupted,
+        _ => repair(lcp, alpha, stop),
+    }
+}
+
+/// A member of a pair, or z_0.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Member {
+    W(usize),
+    Z(usize),
+    Z0,
+}
+
+impl Member {
+    fn complement(self) -> Option<Self> {
+        match self {
+            Member::W(i) => Some(Member::Z(i)),
+            Member::Z(i) => Some(Member::W(i)),
+            Member::Z0 => None,
+        }
+    }
+}
+
+/// Values of the basic variables over one positive denominator.
+struct Values {
+    z: Vec<BigInt>,
+    z0: BigInt,
+    w: Vec<BigInt>,
+}
+
+struct Path<'a> {
+    lcp: &'a Lcp,
+    /// The start: `d = C g`, C its complementary matrix and g = e, exactly.
+    start: Vec<bool>,
+    /// d as an unevaluated sum of double vectors.
+    d: Vec<Vec<f64>>,
+    /// Basic z's; rows whose w is nonbasic; whether z_0 is basic.
+    beta: Vec<usize>,
+    rho: Vec<usize>,
+    with_z0: bool,
+}
+
+impl<'a> Path<'a> {
+    fn new(lcp: &'a Lcp, alpha: &[usize]) -> Self {
+        let n = lcp.n();
+        let mut start = vec![false; n];
+        for &i in alpha {
+            start[i] = true;
+        }
+        let d = covering_vector(lcp, alpha, &start);
+        Self { lcp, start, d, beta: alpha.to_vec(), rho: alpha.to_vec(), with_z0: false }
+    }
+
+    fn follow(mut self, stop: &dyn Fn() -> bool) -> Result<Repaired, Unsolved> {
+        let block = self.block()?;
+        let x = self.basic(&block, &Column::Q, stop)?;
+        let Some(worst) = self.first_leaving(&x) else {
+            return Ok(Repaired::Solved(self.solution(&x.0, x.1), 0));
+        };
+        self.with_z0 = true;
+        let mut left = if self.start[worst] { Member::Z(worst) } else { Member::W(worst) };
+        self.drop_basic(left);
+        let mut pivots = 1;
+        while let Some(driving) = left.complement() {
+            let block = self.block()?;
+            let (x, _) = self.basic(&block, &Column::Q, stop)?;
+            let (direction, denominator) = self.basic(&block, &Column::Of(driving), stop)?;
+            let Some(blocking) = self.blocking(&block, &x, &direction, stop)? else {
+                return Ok(self.ray(direction, denominator, driving));
+            };
+            self.drop_basic(blocking);
+            match driving {
+                Member::Z(i) => self.beta.push(i),
+                Member::W(i) => self.rho.retain(|&r| r != i),
+                Member::Z0 => {}
+            }
+            pivots += 1;
+            left = blocking;
+        }
+        let (x, denominator) = self.basic(&self.block()?, &Column::Q, stop)?;
+        Ok(Repaired::Solved(self.solution(&x, denominator), pivots))
+    }
+
+    fn drop_basic(&mut self, member: Member) {
+        match member {
+            Member::W(i) => self.rho.push(i),
+            Member::Z(i) => self.beta.retain(|&j| j != i),
+            Member::Z0 => self.with_z0 = false,
+        }
+    }
+
+    /// `[A_rho,beta | d]`; the parts of d are columns of their own, tied together by rows `part_1 - part_t = 0`.
+    fn block(&self) -> Result<Block, Unsolved> {
+        let (k, r) = (self.beta.len(), self.rho.len());
+        let order = k + if self.with_z0 { self.d.len() } else { 0 };
+        Block::new(order, |i, j| {
+            if i < r {
+                if j < k { self.lcp.row(self.rho[i])[self.beta[j]] } else { self.d[j - k][self.rho[i]] }
+            } else if j == k {
+                1.0
+            } else if j == k + 1 + (i - r) {
+                -1.0
+            } else {
+                0.0
+            }
+        })
+    }
+
+    /// The basic variables for the right-hand side q, the perturbation q^(j), or the direction of a driving
+    /// variable; and their denominator.
+    fn basic(&self, block: &Block, column: &Column, stop: &dyn Fn() -> bool) -> Result<(Values, BigInt), Unsolved> {
+        let n = self.lcp.n();
+        let k = self.beta.len();
+        // Every column is a vector of doubles c in w = A z + d z_0 + c.
+        let c = |i: usize| match *column {
+            Column::Q => self.lcp.q()[i],
+            Column::Of(Member::Z(s)) => self.lcp.row(i)[s],
+            Column::Of(Member::W(s)) => -f64::from(u8::from(i == s)),
+            Column::Of(Member::Z0) => self.d.iter().map(|part| part[i]).sum(),
+            Column::Perturbation(j) if self.start[j] => -self.lcp.row(i)[j],
+            Column::Perturbation(j) => f64::from(u8::from(i == j)),
+        };
+        let mut rhs: Vec<Scaled> = self.rho.iter().map(|&i| Scaled::from_f64(-c(i))).collect();
+        let order = k + if self.with_z0 { self.d.len() } else { 0 };
+        rhs.resize_with(order, || Scaled::from_f64(0.0));
+        let solved = block.solve(&rhs, stop)?;
+        let parts = if self.with_z0 { self.d.len() } else { 0 };
+        let mut basic_w = vec![true; n];
+        for &i in &self.rho {
+            basic_w[i] = false;
+        }
+        let mut out: Vec<Scaled> = solved.numerators.iter().map(|v| Scaled { value: v.clone(), exponent: 0 }).collect();
+        out.truncate(k + parts.min(1));
+        if parts == 0 {
+            out.push(Scaled::from_f64(0.0));
+        }
+        for i in 0..n {
+            out.push(if basic_w[i] {
+                let z = self.beta.iter().zip(&solved.numerators).map(|(&j, v)| (self.lcp.row(i)[j], v));
+                let z0 = self.d.iter().take(parts).map(|part| (part[i], &solved.numerators[k]));
+                linear_form(z.chain(z0).chain(std::iter::once((c(i), &solved.denominator))))
+            } else {
+                Scaled::from_f64(0.0)
+            });
+        }
+        let mut all = RationalVec::from_scaled(out, solved.denominator);
+        let w = all.numerators.split_off(k + 1);
+        let z0 = all.numerators.pop().unwrap_or_default();
+        Ok((Values { z: all.numerators, z0, w }, all.denominator))
+    }
+
+    /// The lexicographically most negative row of the start; `None` when there is no negative one.
+    fn first_leaving(&self, (x, _): &(Values, BigInt)) -> Option<usize> {
+        let value = |i: usize| match self.beta.iter().position(|&j| j == i) {
+            Some(t) => &x.z[t],
+            None => &x.w[i],
+        };
+        // Row i is perturbed by eps^(i+1): of equal rows the last is the least.
+        let least = (0..self.lcp.n()).reduce(|best, i| if value(i) <= value(best) { i } else { best })?;
+        value(least).is_negative().then_some(least)
+    }
+
+    fn basic_members(&self) -> Vec<Member> {
+        let mut members: Vec<Member> = self.beta.iter().map(|&j| Member::Z(j)).collect();
+        members.push(Member::Z0);
+        members.extend((0..self.lcp.n()).filter(|i| !self.rho.contains(i)).map(Member::W));
+        members
+    }
+
+    fn value<'v>(&self, x: &'v Values, member: Member) -> &'v BigInt {
+        match member {
+            Member::W(i) => &x.w[i],
+            Member::Z0 => &x.z0,
+            Member::Z(i) => {
+                let t = self.beta.iter().position(|&j| j == i).expect("invariant: z_i is basic");
+                &x.z[t]
+            }
+        }
+    }
+
+    /// The lexicographic minimum ratio over the decreasing basic variables; z_0 wins a tie.
+    fn blocking(
+        &self,
+        block: &Block,
+        x: &Values,
+        direction: &Values,
+        stop: &dyn Fn() -> bool,
+    ) -> Result<Option<Member>, Unsolved> {
+        let falling: Vec<Member> =
+            self.basic_members().into_iter().filter(|&m| self.value(direction, m).is_negative()).collect();
+        let mut tied = self.least_ratios(&falling, x, direction);
+        let mut j = 0;
+        while tied.len() > 1 && !tied.contains(&Member::Z0) && j < self.lcp.n() {
+            let (perturbed, _) = self.basic(block, &Column::Perturbation(j), stop)?;
+            tied = self.least_ratios(&tied, &perturbed, direction);
+            j += 1;
+        }
+        Ok(if tied.contains(&Member::Z0) { Some(Member::Z0) } else { tied.first().copied() })
+    }
+
+    /// The members with the least `x / -direction`.
+    fn least_ratios(&self, members: &[Member], x: &Values, direction: &Values) -> Vec<Member> {
+        let mut tied: Vec<Member> = Vec::new();
+        for &m in members {
+            let order = tied.first().map_or(Ordering::Less, |&best| {
+                // Both directions are negative: x_m / -d_m < x_b / -d_b  iff  x_m d_b > x_b d_m.
+                let left = self.value(x, m) * self.value(direction, best);
+                let right = self.value(x, best) * self.value(direction, m);
+                right.cmp(&left)
+            });
+            match order {
+                Ordering::Less => tied = vec![m],
+                Ordering::Equal => tied.push(m),
+                Ordering::Greater => {}
+            }
+        }
+        tied
+    }
+
+    fn solution(&self, x: &Values, denominator: BigInt) -> ExactSolution {
+        let mut numerators = vec![BigInt::zero(); self.lcp.n()];
+        for (&j, v) in self.beta.iter().zip(&x.z) {
+            numerators[j] = v.clone();
+        }
+        let mut alpha = self.beta.clone();
+        alpha.sort_unstable();
+        ExactSolution { alpha, z: RationalVec { numerators, denominator } }
+    }
+
+    fn ray(&self, direction: Values, denominator: BigInt, driving: Member) -> Repaired {
+        let mut numerators = vec![BigInt::zero(); self.lcp.n()];
+        for (&j, v) in self.beta.iter().zip(&direction.z) {
+            numerators[j] = v.clone();
+        }
+        if let Member::Z(s) = driving {
+            numerators[s] = denominator.clone();
+        }
+        Repaired::Ray(ExactRay { z: RationalVec { numerators, denominator }, z0: direction.z0 })
+    }
+}
+
+enum Column {
+    Q,
+    Of(Member),
+    Perturbation(usize),
+}
+
+/// `C e` as an unevaluated sum of vectors of doubles.
+fn covering_vector(lcp: &Lcp, alpha: &[usize], start: &[bool]) -> Vec<Vec<f64>> {
+    let n = lcp.n();
+    let one = BigInt::from(1);
+    let mut parts: Vec<Vec<f64>> = Vec::new();
+    for i in 0..n {
+        let terms = alpha.iter().map(|&j| (-lcp.row(i)[j], &one));
+        let mut rest = linear_form(terms.chain(std::iter::once((f64::from(u8::from(!start[i])), &one))));
+        let mut t = 0;
+        while !rest.value.is_zero() {
+            let drop = rest.value.bits().saturating_sub(53);
+            let top = (rest.value.magnitude() >> drop).to_i64().unwrap_or(0);
+            let top = if rest.value.is_negative() { -top } else { top };
+            if parts.len() == t {
+                parts.push(vec![0.0; n]);
+            }
+            parts[t][i] = power_of_two(top as f64, drop as i64 + rest.exponent);
+            rest.value -= BigInt::from(top) << drop;
+            t += 1;
+        }
+    }
+    if parts.is_empty() {
+        parts.push(vec![0.0; n]);
+    }
+    parts
+}
+
+/// `x 2^e`, exact for the parts of sums of doubles.
+fn power_of_two(x: f64, e: i64) -> f64 {
+    let half = (e / 2) as i32;
+    x * 2f64.powi(half) * 2f64.powi(e as i32 - half)
+}
+
+/// Whether FEA(q, A) is empty, with a proof either way.
+#[derive(Clone, Debug)]
+pub enum Feasibility {
+    /// `z >= 0`, `A z + q >= 0`.
+    Feasible(RationalVec),
+    /// A Farkas vector: `y >= 0`, `A'y <= 0`, `q'y < 0`.
+    Infeasible(RationalVec),
+    /// `stop` said so.
+    Interrupted,
+}
+
+/// Decides `{z >= 0, A z + q >= 0}` by exact least-index pivoting (criss-cross without objective) from the basis
+/// with the z's `beta` basic and the w's of `rho` nonbasic, `|rho| = |beta|`; a singular start falls back to z = 0.
+///
+/// Finite; from the last basis of a floating-point simplex it usually takes no pivot. Two p-adic solves a pivot.
+#[must_use]
+pub fn feasibility(lcp: &Lcp, rho: &[usize], beta: &[usize], stop: &dyn Fn() -> bool) -> Feasibility {
+    let mut state = Crisscross { lcp, rho: rho.to_vec(), beta: beta.to_vec() };
+    loop {
+        match state.step(stop) {
+            Ok(Some(verdict)) => return verdict,
+            Ok(None) => {}
+            Err(Unsolved::Interrupted) => return Feasibility::Interrupted,
+            Err(Unsolved::Singular) => {
+                if state.rho.is_empty() {
+                    return Feasibility::Interrupted;
+                }
+                state = Crisscross { lcp, rho: vec![], beta: vec![] };
+            }
+        }
+    }
+}
+
+struct Crisscross<'a> {
+    lcp: &'a Lcp,
+    rho: Vec<usize>,
+    beta: Vec<usize>,
+}
+
+impl Crisscross<'_> {
+    /// One pivot, or the verdict. Variables are numbered z_0.., then w_0...
+    fn step(&mut self, stop: &dyn Fn() -> bool) -> Result<Option<Feasibility>, Unsolved> {
+        let (lcp, n, k) = (self.lcp, self.lcp.n(), self.rho.len());
+        let block = Block::new(k, |i, j| lcp.row(self.rho[i])[self.beta[j]])?;
+        let rhs: Vec<Scaled> = self.rho.iter().map(|&i| Scaled::from_f64(-lcp.q()[i])).collect();
+        let z = block.solve(&rhs, stop)?;
+        let negative_z = (0..k).filter(|&t| z.numerators[t].is_negative()).min_by_key(|&t| self.beta[t]);
+        // Row of the least infeasible basic variable: block' y = right-hand side.
+        let (transposed_rhs, row_w): (Vec<f64>, Option<usize>) = match negative_z {
+            Some(t) => ((0..k).map(|s| f64::from(u8::from(s == t))).collect(), None),
+            None => {
+                let negative_w = (0..n).filter(|i| !self.rho.contains(i)).find(|&i| {
+                    let terms = self.beta.iter().zip(&z.numerators).map(|(&j, v)| (lcp.row(i)[j], v));
+                    linear_form(terms.chain(std::iter::once((lcp.q()[i], &z.denominator)))).value.is_negative()
+                });
+                let Some(i) = negative_w else {
+                    let mut numerators = vec![BigInt::zero(); n];
+                    for (&j, v) in self.beta.iter().zip(z.numerators) {
+                        numerators[j] = v;
+                    }
+                    return Ok(Some(Feasibility::Feasible(RationalVec { numerators, denominator: z.denominator })));
+                };
+                (self.beta.iter().map(|&j| lcp.row(i)[j]).collect(), Some(i))
+            }
+        };
+        let transposed = Block::new(k, |i, j| lcp.row(self.rho[j])[self.beta[i]])?;
+        let rhs: Vec<Scaled> = transposed_rhs.iter().map(|&x| Scaled::from_f64(x)).collect();
+        let solved = transposed.solve(&rhs, stop)?;
+        // The row says: basic variable = q'y + (A'y)_N z_N - y_rho w_rho.
+        let mut y = vec![BigInt::zero(); n];
+        for (&i, v) in self.rho.iter().zip(&solved.numerators) {
+            y[i] = -v;
+        }
+        if let Some(i) = row_w {
+            y[i] = solved.denominator.clone();
+        }
+        let column = |j: usize| linear_form((0..n).map(|i| (lcp.row(i)[j], &y[i]))).value;
+        let entering_z = (0..n).filter(|j| !self.beta.contains(j)).find(|&j| column(j).is_positive());
+        let entering_w = || self.rho.iter().copied().filter(|&i| y[i].is_negative()).min();
+        match entering_z {
+            Some(j) => self.beta.push(j),
+            None => match entering_w() {
+                Some(i) => self.rho.retain(|&r| r != i),
+                None => {
+                    let y = RationalVec { numerators: y, denominator: solved.denominator };
+                    return Ok(Some(Feasibility::Infeasible(y)));
+                }
+            },
+        }
+        match (negative_z, row_w) {
+            (Some(t), _) => {
+                self.beta.remove(t);
+            }
+            (None, Some(i)) => self.rho.push(i),
+            (None, None) => {}
+        }
+        Ok(None)
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::panic)] // a test says what it found
+mod tests {
+    use super::super::proof::{check_farkas, check_ray, check_solution};
+    use super::*;
+
+    fn never() -> bool {
+        false
+    }
+
+    struct Draw(u64);
+
+    impl Draw {
+        fn below(&mut self, m: u64) -> f64 {
+            self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            ((self.0 >> 33) % m) as f64
+        }
+    }
+
+    #[test]
+    fn every_start_of_degenerate_integer_problems_ends_in_a_proof() {
+        let mut draw = Draw(3);
+        let (mut solved, mut rays) = (0, 0);
+        for n in [1, 2, 3, 4, 5] {
+            for _ in 0..60 {
+                let a: Vec<f64> = (0..n * n).map(|_| draw.below(4) - 1.0).collect();
+                let q: Vec<f64> = (0..n).map(|_| draw.below(4) - 2.0).collect();
+                let lcp = Lcp::new(n, a, q).expect("valid");
+                let alpha: Vec<usize> = (0..n).filter(|_| draw.below(2) == 0.0).collect();
+                match repair(&lcp, &alpha, &never) {
+                    Repaired::Solved(s, pivots) => {
+                        assert!(check_solution(&lcp, &s.z) && pivots < 100);
+                        solved += 1;
+                    }
+                    Repaired::Ray(ray) => {
+                        assert!(check_ray(&lcp, &vec![1.0; n], &ray));
+                        rays += 1;
+                    }
+                    Repaired::Interrupted => panic!("not asked to stop"),
+                }
+            }
+        }
+        assert!(solved > 100 && rays > 20, "{solved} {rays}");
+    }
+
+    #[test]
+    fn positive_definite_problems_are_solved_from_any_start() {
+        let mut draw = Draw(11);
+        for n in [3, 8, 15] {
+            let b: Vec<f64> = (0..n * n).map(|_| draw.below(1000) / 7.0 - 70.0).collect();
+            let a: Vec<f64> = (0..n * n)
+                .map(|ij| {
+                    (0..n).map(|k| b[ij / n * n + k] * b[ij % n * n + k]).sum::<f64>() + f64::from(ij / n == ij % n)
+                })
+                .collect();
+            let q: Vec<f64> = (0..n).map(|_| draw.below(1000) / 3.0 - 200.0).collect();
+            let lcp = Lcp::new(n, a, q).expect("valid");
+            let alpha: Vec<usize> = (0..n).filter(|_| draw.below(2) == 0.0).collect();
+            let Repaired::Solved(s, _) = repair(&lcp, &alpha, &never) else { panic!("a ray on a P-matrix") };
+            assert!(check_solution(&lcp, &s.z));
+            let Repaired::Solved(again, pivots) = repair(&lcp, &s.alpha, &never) else { panic!("solved before") };
+            assert_eq!((pivots, again.alpha), (0, s.alpha));
+        }
+    }
+
+    #[test]
+    fn feasibility_is_proved_either_way() {
+        let mut draw = Draw(5);
+        let (mut yes, mut no) = (0, 0);
+        for n in [1, 2, 4, 6] {
+            for _ in 0..80 {
+                let a: Vec<f64> = (0..n * n).map(|_| draw.below(5) - 3.0).collect();
+                let q: Vec<f64> = (0..n).map(|_| draw.below(5) - 3.0).collect();
+                let lcp = Lcp::new(n, a, q).expect("valid");
+                match feasibility(&lcp, &[], &[], &never) {
+                    Feasibility::Feasible(z) => {
+                        assert!(z.numerators.iter().all(|x| !x.is_negative()));
+                        for i in 0..n {
+                            let row = lcp.row(i).iter().copied().zip(&z.numerators);
+                            let w = linear_form(row.chain(std::iter::once((lcp.q()[i], &z.denominator))));
+                            assert!(!w.value.is_negative());
+                        }
+                        yes += 1;
+                    }
+                    Feasibility::Infeasible(y) => {
+                        assert!(check_farkas(&lcp, &y));
+                        no += 1;
+                    }
+                    Feasibility::Interrupted => panic!("not asked to stop"),
+                }
+            }
+        }
+        assert!(yes > 50 && no > 50, "{yes} {no}");
+    }
+}

@@ -1,0 +1,196 @@
+"""Proofs on the given binary numbers, and `verify`: each check fails when exactly its statement is broken."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from fractions import Fraction
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+import lcpstar
+from lcpstar import _core, verify
+from lcpstar.result import Certificate, Ray
+
+
+def answer(sol, **changes):
+    fields = ["z", "w", "status", "residual", "natural_residual", "alpha", "certificate", "ray"]
+    return SimpleNamespace(**{**{f: getattr(sol, f) for f in fields}, **changes})
+
+
+def proved(A, q, alpha):
+    """The proof from a basis as `Fraction`s, checked here."""
+    verdict, basis, z, pivots = _core.prove_solution(np.asarray(A, float), np.asarray(q, float), alpha)
+    assert verdict == "proved"
+    numerators, denominator = z
+    exact = [Fraction(x, denominator) for x in numerators]
+    support = [j for j, x in enumerate(exact) if x != 0]
+    for i in range(len(q)):
+        w = sum((Fraction(float(A[i][j])) * exact[j] for j in support), Fraction(float(q[i])))
+        assert exact[i] >= 0
+        assert w >= 0
+        assert exact[i] == 0 or w == 0
+        assert w == 0 if i in set(basis) else exact[i] == 0
+    return exact, basis, pivots
+
+
+def test_a_right_basis_takes_no_pivot():
+    exact, basis, pivots = proved([[2.0, 1.0], [1.0, 2.0]], [-5.0, -6.0], [0, 1])
+    assert (exact, basis, pivots) == ([Fraction(4, 3), Fraction(7, 3)], [0, 1], 0)
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_a_wrong_basis_is_repaired(seed):
+    rng = np.random.default_rng(seed)
+    n = 12
+    B = rng.standard_normal((n, n))
+    A, q = B @ B.T + np.eye(n), rng.standard_normal(n)
+    right = lcpstar.solve(A, q).alpha
+    wrong = sorted(set(right) ^ {0, 5})
+    _, basis, pivots = proved(A, q, wrong)
+    assert sorted(basis) == sorted(right)
+    assert 0 < pivots < 5 * n
+
+
+def test_near_ties_are_decided_on_the_binary_numbers():
+    third = 1 / 3
+    exact, basis, pivots = proved([[1.0, 0.0], [-3.0, 1.0]], [-third, 1.0], [0])
+    assert (exact[0], basis, pivots) == (Fraction(third), [0], 0)
+    # w_2 = 3 fl(1/3) - 1 = -2^-54: z_2 must enter.
+    exact, basis, pivots = proved([[1.0, 0.0], [3.0, 1.0]], [-third, -1.0], [0])
+    assert exact[1] == Fraction(1, 2**54)
+    assert pivots >= 1
+
+
+def test_bad_index_sets_are_named():
+    with pytest.raises(lcpstar.errors.IndexSetError, match="7"):
+        _core.prove_solution(np.eye(2), np.ones(2), [7])
+
+
+def test_every_solvable_problem_of_the_corpus_with_n_to_130_is_proved(corpus):
+    count = 0
+    for path in corpus:
+        with np.load(path) as data:
+            A, q, status = data["A"], data["q"], np.atleast_1d(data["status"])
+        n = A.shape[-1]
+        if n > 130:
+            continue
+        A, q = A.reshape(-1, n, n), q.reshape(-1, n)
+        for k in range(0, len(A), 7):
+            sol = lcpstar.solve(A[k], q[k])
+            if str(status[min(k, len(status) - 1)]) == "solvable" and sol.success:
+                proved(A[k], q[k], sol.alpha)
+                count += 1
+    assert count > 50
+
+
+# verify
+
+
+A2, Q2 = np.array([[2.0, 1.0], [1.0, 2.0]]), np.array([-5.0, -6.0])
+
+
+def test_a_solution_is_verified_in_both_ways():
+    sol = lcpstar.solve(A2, Q2)
+    assert verify(A2, Q2, sol)
+    report = verify(A2, Q2, sol, exact=True)
+    assert report
+    assert report.exact
+    assert "verified in rational arithmetic" in str(report)
+    assert not verify(A2, Q2, sol).exact
+
+
+@pytest.mark.parametrize(
+    ("changes", "broken"),
+    [
+        ({"z": np.array([1.0, 2.0])}, "w = A z + q"),
+        ({"w": np.array([0.0, 1.0])}, "w = A z + q"),
+        ({"natural_residual": 1.0}, "natural_residual"),
+        ({"residual": 1.0}, "residual <= tol"),
+        ({"z": np.array([1.0])}, "z is a finite vector"),
+        ({"w": np.array([np.nan, 0.0])}, "w is a finite vector"),
+        ({"alpha": [0, 5]}, "alpha is an index set"),
+        ({"certificate": Certificate("infeasible")}, "certificate is of a solution"),
+    ],
+)
+def test_one_broken_field_is_found(changes, broken):
+    report = verify(A2, Q2, answer(lcpstar.solve(A2, Q2), **changes))
+    assert not report
+    assert any(broken in check.name for check in report.failures)
+    assert "NOT verified" in str(report)
+
+
+def test_a_wrong_solved_is_found():
+    z = np.array([1.0, 0.0])
+    w = A2 @ z + Q2
+    sol = answer(lcpstar.solve(A2, Q2), z=z, w=w, natural_residual=float(np.max(np.abs(np.minimum(z, w)))))
+    assert [c.name for c in verify(A2, Q2, sol).failures] == ["|min(z, w)| is small in every row"]
+
+
+def test_a_basis_that_is_not_exactly_right_is_found():
+    sol = answer(lcpstar.solve(A2, Q2), alpha=[0])
+    assert verify(A2, Q2, sol)
+    assert [c.name for c in verify(A2, Q2, sol, exact=True).failures] == ["exact w >= 0 at the basis alpha"]
+
+
+def test_an_exact_certificate_is_checked():
+    sol = lcpstar.solve(A2, Q2)
+    right = Certificate("solution", exact=True, alpha=[0, 1], z=[Fraction(4, 3), Fraction(7, 3)])
+    assert verify(A2, Q2, answer(sol, certificate=right)).exact
+    off = replace(right, z=[Fraction(4, 3), Fraction(7, 3) + Fraction(1, 10**30)])
+    failed = {c.name for c in verify(A2, Q2, answer(sol, certificate=off)).failures}
+    assert failed == {"exact z'w = 0", "w = 0 on alpha, z = 0 outside"}
+    other = Certificate("solution", exact=True, alpha=[0, 1], z=[1.0, 2.0])
+    assert not verify(A2, Q2, answer(sol, certificate=other))
+
+
+def infeasible(y, exact=False):
+    A, q = np.array([[0.0, -0.1], [-0.3, 0.0]]), np.array([1.0, -1.0])
+    z = np.zeros(2)
+    sol = SimpleNamespace(
+        z=z, w=q, status="infeasible", residual=1.0, natural_residual=1.0, alpha=[], ray=None,
+        certificate=Certificate("infeasible", exact=exact, y=y),
+    )  # fmt: skip
+    return A, q, sol
+
+
+def test_farkas_vectors_are_checked():
+    assert verify(*infeasible(np.array([0.0, 1.0])))
+    assert verify(*infeasible(np.array([0.0, 1.0])), exact=True).exact
+    assert verify(*infeasible([Fraction(0), Fraction(1, 3)], exact=True)).exact
+    for y in ([1.0, 0.0], [2.0, 1.0], [0.0, -1.0], [0.0, 1.0, 0.0]):
+        assert not verify(*infeasible(np.array(y)))
+        assert not verify(*infeasible(np.array(y)), exact=True)
+    A, q, sol = infeasible(None)
+    assert not verify(A, q, sol)
+
+
+def test_a_ray_is_checked():
+    A, q = np.array([[1.0, -1.0], [-1.0, 1.0]]), np.array([-1.0, -1.0])
+    ray = Ray(
+        z=np.zeros(2), z0=1.0, z_hat=np.ones(2), z0_hat=0.0, w_hat=np.zeros(2), d=np.ones(2)
+    )  # fmt: skip
+    z = np.zeros(2)
+    sol = SimpleNamespace(
+        z=z, w=q, status="secondary_ray", residual=1.0, natural_residual=1.0, alpha=[], certificate=None, ray=ray
+    )
+    assert verify(A, q, sol)
+    for broken in (
+        {"z_hat": np.zeros(2)},
+        {"z_hat": np.array([1.0, 0.0])},
+        {"w_hat": np.ones(2)},
+        {"z0_hat": -1.0},
+        {"z0": 0.5},
+    ):
+        sol.ray = replace(ray, **broken)
+        assert not verify(A, q, sol), broken
+
+
+def test_the_problem_itself_must_be_valid():
+    sol = lcpstar.solve(A2, Q2)
+    with pytest.raises(lcpstar.errors.NotFiniteError, match="nan"):
+        verify([[np.nan]], [1.0], sol)
+    with pytest.raises(lcpstar.errors.ShapeError):
+        verify(A2, [1.0], sol)
+    assert not verify(np.eye(3), -np.ones(3), sol)
