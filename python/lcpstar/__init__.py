@@ -5,6 +5,7 @@ Find z with  w = A z + q >= 0,  z >= 0,  z'w = 0.
 
 from . import errors
 from ._core import Solution, __version__
+from .batch import BatchSolution, solve_batch, solve_gufunc
 from .errors import LCPError
 from .interior import potential_reduction
 from .options import BlockPivotingOptions, LemkeHowsonOptions, LemkeOptions, PotentialReductionOptions
@@ -15,11 +16,14 @@ from .verify import Report, verify
 
 __all__ = [
     "solve",
+    "solve_batch",
+    "solve_gufunc",
     "ppt",
     "solutions",
     "verify",
     "potential_reduction",
     "Solution",
+    "BatchSolution",
     "Status",
     "Certificate",
     "Face",

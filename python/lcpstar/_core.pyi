@@ -1,11 +1,14 @@
 from collections.abc import Sequence
 from typing import Any, final
 
+import numpy as np
+from numpy.typing import NDArray
+
 from .coerce import Matrix, Vector
 from .options import MethodOptions, PotentialReductionOptions
 from .result import Certificate, Ray, Status
 
-__all__ = ["Solution", "__version__", "potential_direction", "potential_reduction", "ppt", "solve"]
+__all__ = ["Solution", "__version__", "batch_methods", "potential_direction", "potential_reduction", "ppt", "solve", "solve_batch"]
 __version__: str
 
 @final
@@ -68,3 +71,24 @@ def prove_solution(
     a: Matrix, q: Vector, alpha: Sequence[int]
 ) -> tuple[str, list[int], tuple[list[int], int] | None, int]: ...
 def solutions(a: Matrix, q: Vector, time_limit: float | None, exact: bool) -> Any: ...
+def solve_batch(
+    a: NDArray[np.float64],
+    q: NDArray[np.float64],
+    count: int,
+    a_map: NDArray[np.uintp] | None,
+    q_map: NDArray[np.uintp] | None,
+    method: str,
+    tol: float,
+    threads: int,
+    guess: NDArray[np.uint64] | NDArray[np.bool_] | NDArray[np.float64] | None,
+) -> tuple[
+    NDArray[np.float64],
+    NDArray[np.float64],
+    NDArray[np.uint8],
+    NDArray[np.uint8],
+    NDArray[np.uint32],
+    NDArray[np.float64],
+    NDArray[np.float64],
+    Any,
+]: ...
+def batch_methods() -> list[str]: ...

@@ -1,16 +1,17 @@
 //! `solve_batch`: borrow the arrays, leave the interpreter, hand back arrays.
 
 use lcpstar::batch::{self, Alpha, Guess, METHODS, Output, Problems, Settings, Source};
+use lcpstar::driver::Method;
 use numpy::{
     PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3, PyUntypedArrayMethods,
 };
 use pyo3::prelude::*;
 
-use crate::errors::{Signals, enter_core};
+use crate::errors::{Signals, enter_core, to_python};
 
 /// A guess of the supports, in one of three forms.
 #[derive(FromPyObject)]
-enum GuessArray<'py> {
+pub enum GuessArray<'py> {
     Masks(PyReadonlyArray1<'py, u64>),
     Flags(PyReadonlyArray2<'py, bool>),
     Points(PyReadonlyArray2<'py, f64>),
@@ -39,7 +40,7 @@ type Results<'py> = (
 
 /// Solves `count` problems; arguments already coerced to C-contiguous arrays by `lcpstar.solve_batch`.
 #[pyfunction]
-#[pyo3(signature = (a, q, count, a_map, q_map, tol, threads, guess))]
+#[pyo3(signature = (a, q, count, a_map, q_map, method, tol, threads, guess))]
 pub fn solve_batch<'py>(
     py: Python<'py>,
     a: PyReadonlyArray3<'py, f64>,
@@ -47,6 +48,7 @@ pub fn solve_batch<'py>(
     count: usize,
     a_map: Option<PyReadonlyArray1<'py, usize>>,
     q_map: Option<PyReadonlyArray1<'py, usize>>,
+    method: &str,
     tol: f64,
     threads: usize,
     guess: Option<GuessArray<'py>>,
@@ -67,7 +69,7 @@ pub fn solve_batch<'py>(
         Some(GuessArray::Points(v)) => Guess::Points(v.as_slice()?),
     };
     let (z, w) = (PyArray2::zeros(py, [count, n], false), PyArray2::zeros(py, [count, n], false));
-    let (status, method) = (PyArray1::zeros(py, count, false), PyArray1::zeros(py, count, false));
+    let (status, method_code) = (PyArray1::zeros(py, count, false), PyArray1::zeros(py, count, false));
     let iterations = PyArray1::zeros(py, count, false);
     let (residual, natural) = (PyArray1::zeros(py, count, false), PyArray1::zeros(py, count, false));
     let masks = PyArray1::<u64>::zeros(py, if n <= 64 { count } else { 0 }, false);
@@ -75,27 +77,28 @@ pub fn solve_batch<'py>(
     let signals = Signals::new();
     {
         let (mut z, mut w) = (z.try_readwrite()?, w.try_readwrite()?);
-        let (mut status, mut method, mut iterations) =
-            (status.try_readwrite()?, method.try_readwrite()?, iterations.try_readwrite()?);
+        let (mut status, mut method_code, mut iterations) =
+            (status.try_readwrite()?, method_code.try_readwrite()?, iterations.try_readwrite()?);
         let (mut residual, mut natural) = (residual.try_readwrite()?, natural.try_readwrite()?);
         let (mut masks, mut flags) = (masks.try_readwrite()?, flags.try_readwrite()?);
         let output = Output {
             z: z.as_slice_mut()?,
             w: w.as_slice_mut()?,
             status: status.as_slice_mut()?,
-            method: method.as_slice_mut()?,
+            method: method_code.as_slice_mut()?,
             iterations: iterations.as_slice_mut()?,
             residual: residual.as_slice_mut()?,
             natural_residual: natural.as_slice_mut()?,
             alpha: if n <= 64 { Alpha::Masks(masks.as_slice_mut()?) } else { Alpha::Flags(flags.as_slice_mut()?) },
         };
         let interrupted = || signals.interrupted();
-        let settings = Settings { tol, threads, guess, interrupted: Some(&interrupted) };
+        let general = Method::from_name(method).map_err(|e| to_python(py, &e))?;
+        let settings = Settings { method: &general, tol, threads, guess, interrupted: Some(&interrupted) };
         enter_core(py, || batch::solve_batch(&problems, &settings, output))?;
     }
     signals.raise()?;
     let alpha = if n <= 64 { masks.into_any() } else { flags.into_any() };
-    Ok((z, w, status, method, iterations, residual, natural, alpha))
+    Ok((z, w, status, method_code, iterations, residual, natural, alpha))
 }
 
 /// Names of the method codes.

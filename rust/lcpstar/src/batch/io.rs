@@ -1,5 +1,7 @@
 //! What goes into a batch and what comes out: borrowed arrays, never copied whole.
 
+use crate::driver::Method;
+
 /// Which block of an array belongs to problem k.
 #[derive(Clone, Copy, Debug)]
 pub enum Source<'a> {
@@ -167,6 +169,8 @@ impl Output<'_> {
 /// What the caller may choose.
 #[derive(Clone, Copy)]
 pub struct Settings<'a> {
+    /// `Auto` for the kernels with the portfolio behind them; any other method solves every problem alone.
+    pub method: &'a Method,
     /// Bounds `residual` of a solved problem.
     pub tol: f64,
     /// Threads at most; 0: one per core.

@@ -307,7 +307,3 @@ lanes!(
     /// Eight doubles: one AVX-512 register, two of AVX2.
     F64x8, M64x8, f64, u64, 8
 );
-lanes!(
-    /// Sixteen singles: one AVX-512 register, two of AVX2.
-    F32x16, M32x16, f32, u32, 16
-);

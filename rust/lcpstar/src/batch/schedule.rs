@@ -15,8 +15,11 @@ const CHUNK_NUMBERS: usize = 16_384;
 /// remaining problems untouched.
 ///
 /// # Errors
-/// `NotFinite` names the first problem with a NaN or an infinity.
+/// `NotFinite` names the first problem with a NaN or an infinity; `OutOfRange` for `tol`.
 pub fn solve_batch(problems: &Problems<'_, f64>, settings: &Settings<'_>, output: Output<'_>) -> Result<bool> {
+    if !(settings.tol > 0.0 && settings.tol < 1.0) {
+        return Err(LcpError::OutOfRange { name: "tol", value: settings.tol, rule: "in (0, 1)" });
+    }
     let n = problems.n;
     let size = (CHUNK_NUMBERS / (n * n).max(1)).clamp(1, 1024).next_multiple_of(16);
     let chunks = problems.count.div_ceil(size);

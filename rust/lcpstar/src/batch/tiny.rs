@@ -7,6 +7,7 @@ use super::lemke::Tableau;
 use multiversion::multiversion;
 use multiversion::target::target_cfg_f;
 use std::cell::RefCell;
+use std::thread::LocalKey;
 
 /// Largest order that [`solve_one`] takes.
 pub const TINY_ORDER: usize = 32;
@@ -61,37 +62,38 @@ fn dispatch(n: usize, a: &[f64], q: &[f64], tol: f64) -> Option<TinySolution> {
     {
         if target_cfg_f!(target_feature = "avx512f") {
             thread_local!(static TABLEAU: RefCell<Tableau<Zmm>> = RefCell::default());
-            return TABLEAU.with_borrow_mut(
-                #[inline(always)]
-                |tableau| solve_in(tableau, n, a, q, tol),
-            );
+            return solve_in(&TABLEAU, n, a, q, tol);
         }
         if target_cfg_f!(target_feature = "avx2") {
             thread_local!(static TABLEAU: RefCell<Tableau<Ymm2>> = RefCell::default());
-            return TABLEAU.with_borrow_mut(
-                #[inline(always)]
-                |tableau| solve_in(tableau, n, a, q, tol),
-            );
+            return solve_in(&TABLEAU, n, a, q, tol);
         }
     }
     thread_local!(static TABLEAU: RefCell<Tableau<F64x8<{ cfg!(target_arch = "aarch64") }>>> = RefCell::default());
-    TABLEAU.with_borrow_mut(|tableau| solve_in(tableau, n, a, q, tol))
+    solve_in(&TABLEAU, n, a, q, tol)
 }
 
+/// The tableau leaves its home for the time of the solve: code inside a closure would not be compiled for the
+/// instruction set of `dispatch`.
 #[inline(always)]
 fn solve_in<X: Lane<Number = f64>>(
-    tableau: &mut Tableau<X>,
+    home: &'static LocalKey<RefCell<Tableau<X>>>,
     n: usize,
     a: &[f64],
     q: &[f64],
     tol: f64,
 ) -> Option<TinySolution> {
     let (mut z, mut w) = ([0.0; TINY_ORDER], [0.0; TINY_ORDER]);
-    let judged = tableau.solve_and_verify(n, a, q, &mut w[..n], tol)?;
+    let mut tableau = home.take();
+    let judged = tableau.solve_and_verify(n, a, q, &mut w[..n], tol);
+    let Some(judged) = judged else {
+        home.set(tableau);
+        return None;
+    };
     for (i, z) in z[..n].iter_mut().enumerate() {
         *z = tableau.z(i);
     }
-    Some(TinySolution {
+    let solution = TinySolution {
         n,
         z,
         w,
@@ -99,5 +101,7 @@ fn solve_in<X: Lane<Number = f64>>(
         iterations: tableau.pivots,
         residual: judged.residual,
         natural_residual: judged.natural_residual,
-    })
+    };
+    home.set(tableau);
+    Some(solution)
 }

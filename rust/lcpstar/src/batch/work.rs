@@ -26,8 +26,20 @@ const GUESS_ORDER: usize = 32;
 const TABLEAU_ORDER: usize = 192;
 
 /// Names of the methods in [`Output::method`](super::Output::method).
-pub const METHODS: [&str; 7] =
-    ["newton", "lemke", "auto", "trivial", "block_pivoting", "lemke_howson", "interior_point"];
+pub const METHODS: [&str; 12] = [
+    "newton",
+    "lemke",
+    "auto",
+    "trivial",
+    "warm_start",
+    "block_pivoting",
+    "lemke_howson",
+    "lemke_double_double",
+    "lemke_random_d",
+    "potential_reduction",
+    "interior_point",
+    "feasibility",
+];
 const NEWTON: u8 = 0;
 const LEMKE: u8 = 1;
 const AUTO: u8 = 2;
@@ -134,7 +146,7 @@ impl<X: Lane<Number = f64>> Worker<X> {
     #[inline(always)]
     fn in_lanes<const N: usize>(&mut self, task: &Task<'_>, output: &mut Output<'_>) {
         let n = self.n;
-        if n == 0 {
+        if n == 0 || !matches!(task.settings.method, driver::Method::Auto) {
             return;
         }
         if n <= GUESS_ORDER && !matches!(task.settings.guess, Guess::None) {
@@ -317,7 +329,8 @@ impl<X: Lane<Number = f64>> Worker<X> {
     #[inline(always)]
     fn one_by_one(&mut self, task: &Task<'_>, output: &mut Output<'_>) -> Result<()> {
         let (n, settings) = (self.n, task.settings);
-        let mut general = driver::Settings { tol: settings.tol, ..driver::Settings::default() };
+        let mut general = driver::Settings { method: settings.method.clone(), tol: settings.tol, z0: None };
+        let by_tableau = matches!(settings.method, driver::Method::Auto) && n <= TABLEAU_ORDER && n > 0;
         let control = Control { interrupted: settings.interrupted, ..Control::default() };
         for &k in &self.waiting {
             let place = task.first + k;
@@ -325,11 +338,10 @@ impl<X: Lane<Number = f64>> Worker<X> {
             self.a.copy_from_slice(a);
             self.q.copy_from_slice(q);
             let range = k * n..(k + 1) * n;
-            let guessed = n > GUESS_ORDER && !matches!(settings.guess, Guess::None);
-            if guessed {
+            if !matches!(settings.guess, Guess::None) && !(by_tableau && n <= GUESS_ORDER) {
                 let z0 = (0..n).map(|i| f64::from(u8::from(settings.guess.contains(n, place, i, false)))).collect();
                 general.z0 = Some(z0);
-            } else if n <= TABLEAU_ORDER && n > 0 {
+            } else if by_tableau {
                 let judged = self.tableau.solve_and_verify(n, &self.a, &self.q, &mut self.w, settings.tol);
                 if let Some(judged) = judged {
                     for i in 0..n {
