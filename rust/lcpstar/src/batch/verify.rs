@@ -26,26 +26,16 @@ const MAGNITUDES: std::ops::Range<f64> = 1e-280..1e280;
 pub fn verify<X: Lane, const N: usize>(n: usize, a: &[X], q: &[X], z: &[X], w: &[X], tol: f64) -> Verdict<X> {
     let n = if N == 0 { n } else { N };
     let (a, q, z, w) = (&a[..n * n], &q[..n], &z[..n], &w[..n]);
-    let zero = X::splat(0.0);
-    let rounding = X::splat(0.5 * (n as f64 + 2.0) * X::EPS * 1.01);
-    let growth = X::splat(2.0 * n as f64 + 1.0);
-    let tol_lane = X::splat(0.999 * tol);
-    let (least, most) = (X::splat(MAGNITUDES.start), X::splat(MAGNITUDES.end));
-    let mut largest_q = zero;
+    let mut largest_q = X::splat(0.0);
     for i in 0..n {
         largest_q = q[i].abs().max(largest_q);
     }
-    let allowed = largest_q.mul(X::splat(9.99 * tol));
-    let own_rounding = X::splat(7.9 * f64::EPSILON);
-    let (mut solved, mut ratio, mut natural) = (X::Mask::ALL, zero, zero);
-    let mut judge = |i: usize, m: X| {
-        let e = rounding.mul(m);
-        let b = e.sub(w[i]).max(z[i].min(w[i].add(e))).max(zero).only(zero.lt(m));
-        let in_range = m.lt(most).and(least.lt(m).or(m.eq(zero)));
-        let in_units = b.le(allowed.add_product(own_rounding, m));
-        solved = solved.and(in_range).and(in_units).and(zero.le(z[i]));
-        ratio = b.div(m.max(least)).max(ratio);
-        natural = b.max(natural);
+    let mut rows = Rows {
+        rounding: X::splat(0.5 * (n as f64 + 2.0) * X::EPS * 1.01),
+        allowed: largest_q.mul(X::splat(9.99 * tol)),
+        solved: X::Mask::ALL,
+        ratio: X::splat(0.0),
+        natural: X::splat(0.0),
     };
     let mut i = 0;
     while i + 4 <= n {
@@ -56,7 +46,7 @@ pub fn verify<X: Lane, const N: usize>(n: usize, a: &[X], q: &[X], z: &[X], w: &
             }
         }
         for r in 0..4 {
-            judge(i + r, m[r]);
+            rows.judge(z[i + r], w[i + r], m[r]);
         }
         i += 4;
     }
@@ -65,11 +55,37 @@ pub fn verify<X: Lane, const N: usize>(n: usize, a: &[X], q: &[X], z: &[X], w: &
         for j in 0..n {
             m = m.add_product(a[i * n + j].abs(), z[j]);
         }
-        judge(i, m);
+        rows.judge(z[i], w[i], m);
         i += 1;
     }
-    let residual = ratio.mul(growth);
-    Verdict { solved: solved.and(residual.le(tol_lane)), residual, natural_residual: natural }
+    let residual = rows.ratio.mul(X::splat(2.0 * n as f64 + 1.0));
+    let solved = rows.solved.and(residual.le(X::splat(0.999 * tol)));
+    Verdict { solved, residual, natural_residual: rows.natural }
+}
+
+/// The rows judged so far.
+struct Rows<X: Lane> {
+    rounding: X,
+    allowed: X,
+    solved: X::Mask,
+    ratio: X,
+    natural: X,
+}
+
+impl<X: Lane> Rows<X> {
+    /// Row i: `z_i`, `w_i` and `m_i`. Not a closure: those are not compiled for the instruction set of their caller.
+    #[inline(always)]
+    fn judge(&mut self, z: X, w: X, m: X) {
+        let zero = X::splat(0.0);
+        let (least, most) = (X::splat(MAGNITUDES.start), X::splat(MAGNITUDES.end));
+        let e = self.rounding.mul(m);
+        let b = e.sub(w).max(z.min(w.add(e))).max(zero).only(zero.lt(m));
+        let in_range = m.lt(most).and(least.lt(m).or(m.eq(zero)));
+        let in_units = b.le(self.allowed.add_product(X::splat(7.9 * f64::EPSILON), m));
+        self.solved = self.solved.and(in_range).and(in_units).and(zero.le(z));
+        self.ratio = b.div(m.max(least)).max(self.ratio);
+        self.natural = b.max(self.natural);
+    }
 }
 
 /// [`verify`] for one problem in double precision, vectorised along the rows of the padded matrix `a`, `width` vectors
