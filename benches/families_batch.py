@@ -37,7 +37,7 @@ def psd_rank_half(k: int, n: int, seed: int = 0) -> tuple[np.ndarray, np.ndarray
 def stewart_trinkle(
     k: int, n: int, seed: int = 0, facets: int = 4, mu: float = 0.5, h: float = 0.01
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Contacts with a friction pyramid: z = (normal, tangential impulses, slacks); copositive, neither PSD nor symmetric.
+    """Contacts with a friction pyramid, z = (normal, tangential impulses, slacks): copositive, not PSD, not symmetric.
 
     n is a multiple of `facets + 2`. Boxes with three contacts each; a contact joins a box to the ground or to another.
     """

@@ -14,8 +14,9 @@ import resource
 import time
 from typing import Any
 
-import lcpstar
 import numpy as np
+
+import lcpstar
 
 
 def make(seed: int, count: int, n: int) -> tuple[np.ndarray, np.ndarray]:

@@ -8,9 +8,10 @@ import threading
 import time
 from pathlib import Path
 
-import lcpstar
 import numpy as np
 import pytest
+
+import lcpstar
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "benches"))
 from families_batch import psd_rank_half, random_pd, random_spd, stewart_trinkle
@@ -97,7 +98,9 @@ def test_same_bits_for_any_threads_split_and_order(family, n):
     for threads in (2, 4):
         assert_same_bits(whole, lcpstar.solve_batch(A, q, threads=threads))
     for field in FIELDS:
-        parts = [getattr(lcpstar.solve_batch(A[i:j], q[i:j]), field) for i, j in [(0, 1), (1, 14), (14, 700), (700, 1500)]]
+        parts = [
+            getattr(lcpstar.solve_batch(A[i:j], q[i:j]), field) for i, j in [(0, 1), (1, 14), (14, 700), (700, 1500)]
+        ]
         assert np.concatenate(parts).tobytes() == getattr(whole, field).tobytes(), field
     order = np.random.default_rng(0).permutation(1500)
     mixed = lcpstar.solve_batch(A[order], q[order], threads=2)

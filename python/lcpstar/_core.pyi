@@ -8,7 +8,16 @@ from .coerce import Matrix, Vector
 from .options import MethodOptions, PotentialReductionOptions
 from .result import Certificate, Ray, Status
 
-__all__ = ["Solution", "__version__", "batch_methods", "potential_direction", "potential_reduction", "ppt", "solve", "solve_batch"]
+__all__ = [
+    "Solution",
+    "__version__",
+    "batch_methods",
+    "potential_direction",
+    "potential_reduction",
+    "ppt",
+    "solve",
+    "solve_batch",
+]
 __version__: str
 
 @final

@@ -26,8 +26,8 @@ Guess = NDArray[np.uint64] | NDArray[np.bool_] | NDArray[np.float64]
 class BatchSolution:
     """The verified results of a batch, as arrays over its leading axes.
 
-    `z` and `w` have shape (..., n). `residual` and `natural_residual` are upper bounds of the quantities of `Solution`, rounding
-    errors included; `tol` bounds `residual` wherever `success`. `alpha` holds the supports: bit masks (bit i: z_i
+    `z` and `w` have shape (..., n). `residual` and `natural_residual` are upper bounds of the quantities of `Solution`,
+    rounding errors included; `tol` bounds `residual` wherever `success`. `alpha` holds the supports: bit masks (bit i: z_i
     positive or basic) for n <= 64, else booleans of shape (..., n). `iterations` counts factorisations, pivots or
     iterations of the method that answered.
 
@@ -48,7 +48,7 @@ class BatchSolution:
     @cached_property
     def success(self) -> NDArray[np.bool_]:
         """Where the problem is solved."""
-        return self.status_code == 0
+        return np.asarray(self.status_code == 0)
 
     @cached_property
     def status(self) -> NDArray[Any]:
@@ -86,8 +86,8 @@ def solve_batch(
     ----------
     A : (..., n, n) array_like, or a list of square matrices, or a list of pairs (A, q)
     q : (..., n) array_like, or a list of vectors; None for a list of pairs
-        Leading axes broadcast as in NumPy: one A with many q, many A with one q, or both. C-contiguous float64 arrays are
-        not copied. Lists may mix orders ("ragged"); the results are then flat, see `BatchSolution.offsets`.
+        Leading axes broadcast as in NumPy: one A with many q, many A with one q, or both. C-contiguous float64 arrays
+        are not copied. Lists may mix orders ("ragged"); the results are then flat, see `BatchSolution.offsets`.
     method : str
         "auto": kernels for small problems (below), then what `solve` does. Any other name as in `solve`, for all.
     tol : float in (0, 1)
@@ -130,10 +130,9 @@ def solve_batch(
     if z0 is not None and alpha0 is not None:
         raise OptionError("z0 and alpha0 are both guesses of the support: give one of them")
     if q is None:
-        pairs = [tuple(pair) for pair in A]  # type: ignore[union-attr]
-        if any(len(pair) != 2 for pair in pairs):
+        if not isinstance(A, (list, tuple)) or any(len(pair) != 2 for pair in A):
             raise ShapeError("without q, A must be a list of pairs (A, q)")
-        return _ragged([pair[0] for pair in pairs], [pair[1] for pair in pairs], method, tol, count, z0, alpha0)
+        return _ragged([pair[0] for pair in A], [pair[1] for pair in A], method, tol, count, z0, alpha0)
     if isinstance(A, (list, tuple)) and isinstance(q, (list, tuple)) and len({np.shape(v) for v in q}) > 1:
         return _ragged(A, q, method, tol, count, z0, alpha0)
     return _uniform(as_real("A", A), as_real("q", q), method, tol, count, z0, alpha0)
