@@ -70,6 +70,8 @@ pub struct Tableau<X> {
     basic: Vec<Basic>,
     /// Whether slot j holds z_j rather than w_j.
     holds_z: Vec<bool>,
+    /// Whether the last run ended with a complementary basis.
+    pub found_basis: bool,
     /// Pivots of the last run.
     pub pivots: usize,
 }
@@ -100,6 +102,7 @@ impl<X> Default for Tableau<X> {
             sums: Vec::new(),
             basic: Vec::new(),
             holds_z: Vec::new(),
+            found_basis: false,
             pivots: 0,
         }
     }
@@ -109,7 +112,8 @@ impl<X: Lane<Number = f64>> Tableau<X> {
     /// Runs the method and refines the answer until it is verified; `None` if that fails. `w = A z + q` as computed.
     #[inline(always)]
     pub fn solve_and_verify(&mut self, n: usize, a: &[f64], q: &[f64], w: &mut [f64], tol: f64) -> Option<Judged> {
-        if self.solve(n, a, q, PIVOTS_PER_ROW * n) != Stop::Basis {
+        self.found_basis = self.solve(n, a, q, PIVOTS_PER_ROW * n) == Stop::Basis;
+        if !self.found_basis {
             return None;
         }
         let judged = self.verified(q, w, tol);

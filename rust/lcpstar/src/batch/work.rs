@@ -8,11 +8,14 @@ use super::lemke::{PIVOTS_PER_ROW, Tableau};
 use super::lemke_lanes::Pivots;
 use super::newton::{Tile, multiply, newton, refine};
 use super::verify::{Verdict, verify};
+use crate::certify::certify;
 use crate::control::Control;
 use crate::driver;
 use crate::error::{LcpError, Result};
 use crate::problem::Lcp;
-use crate::status::Status;
+use crate::scaling::Equilibrated;
+use crate::solution::{Candidate, Solution};
+use crate::status::{Status, Termination};
 use multiversion::multiversion;
 use multiversion::target::target_cfg_f;
 
@@ -338,7 +341,8 @@ impl<X: Lane<Number = f64>> Worker<X> {
             self.a.copy_from_slice(a);
             self.q.copy_from_slice(q);
             let range = k * n..(k + 1) * n;
-            if !matches!(settings.guess, Guess::None) && !(by_tableau && n <= GUESS_ORDER) {
+            let guessed = !matches!(settings.guess, Guess::None);
+            if guessed && (n > GUESS_ORDER || !by_tableau) {
                 let z0 = (0..n).map(|i| f64::from(u8::from(settings.guess.contains(n, place, i, false)))).collect();
                 general.z0 = Some(z0);
             } else if by_tableau {
@@ -357,9 +361,11 @@ impl<X: Lane<Number = f64>> Worker<X> {
                     continue;
                 }
             }
-            let solution = Lcp::new(n, self.a.clone(), self.q.clone())
-                .and_then(|lcp| driver::solve(&lcp, &general, &control))
-                .map_err(|error| in_batch(error, place))?;
+            let lcp = Lcp::new(n, self.a.clone(), self.q.clone()).map_err(|error| in_batch(error, place))?;
+            let solution = match self.tableau_point(by_tableau && !guessed, &lcp, settings.tol) {
+                Some(solution) => solution,
+                None => driver::solve(&lcp, &general, &control).map_err(|error| in_batch(error, place))?,
+            };
             output.z[range.clone()].copy_from_slice(&solution.z);
             output.w[range].copy_from_slice(&solution.w);
             output.status[k] = solution.status as u8;
@@ -370,6 +376,22 @@ impl<X: Lane<Number = f64>> Worker<X> {
             output.alpha.write(n, k, |i| solution.alpha.contains(&i));
         }
         Ok(())
+    }
+}
+
+impl<X: Lane<Number = f64>> Worker<X> {
+    /// A basis that the tableau found and could not verify row by row, judged on the equilibrated problem.
+    fn tableau_point(&self, tried: bool, lcp: &Lcp, tol: f64) -> Option<Solution> {
+        if !tried || !self.tableau.found_basis {
+            return None;
+        }
+        let problem = Equilibrated::new(lcp);
+        let z: Vec<f64> = (0..self.n).map(|j| self.tableau.z(j)).collect();
+        let alpha = (0..self.n).filter(|&j| self.tableau.is_basic(j)).collect();
+        let point =
+            Candidate::point(problem.scaling.z_from_caller(&z), Termination::ComplementaryBasis, self.tableau.pivots);
+        let solution = certify(&problem, Candidate { alpha: Some(alpha), ..point }, METHODS[usize::from(LEMKE)], tol);
+        (solution.status == Status::Solved).then_some(solution)
     }
 }
 
