@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from . import errors
 from ._core import Solution, __version__
+from .batch import BatchSolution, solve_batch, solve_gufunc
 from .errors import LCPError
 from .interior import potential_reduction
 from .options import (
@@ -78,11 +79,14 @@ if TYPE_CHECKING:  # loaded on first use, so that a program which only solves do
 
 __all__ = [
     "solve",
+    "solve_batch",
+    "solve_gufunc",
     "ppt",
     "solutions",
     "verify",
     "potential_reduction",
     "Solution",
+    "BatchSolution",
     "Status",
     "Certificate",
     "Face",

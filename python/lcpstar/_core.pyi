@@ -9,17 +9,19 @@ from .options import InteriorPointOptions, MethodOptions, PotentialReductionOpti
 from .result import Certificate, Ray, Status
 
 __all__ = [
-    "IntegerMatrix",
-    "Solution",
     "__version__",
+    "batch_methods",
+    "IntegerMatrix",
     "potential_direction",
     "potential_reduction",
     "ppt",
     "prove_solution",
     "satisfies",
     "scan",
+    "Solution",
     "solutions",
     "solve",
+    "solve_batch",
     "solve_sparse",
 ]
 __version__: str
@@ -148,3 +150,24 @@ def solve_sparse(
     z0: Vector | None,
     options: InteriorPointOptions,
 ) -> Solution: ...
+def solve_batch(
+    a: NDArray[np.float64],
+    q: NDArray[np.float64],
+    count: int,
+    a_map: NDArray[np.uintp] | None,
+    q_map: NDArray[np.uintp] | None,
+    method: str,
+    tol: float,
+    threads: int,
+    guess: NDArray[np.uint64] | NDArray[np.bool_] | NDArray[np.float64] | None,
+) -> tuple[
+    NDArray[np.float64],
+    NDArray[np.float64],
+    NDArray[np.uint8],
+    NDArray[np.uint8],
+    NDArray[np.uint32],
+    NDArray[np.float64],
+    NDArray[np.float64],
+    Any,
+]: ...
+def batch_methods() -> list[str]: ...

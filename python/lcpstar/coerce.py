@@ -33,6 +33,11 @@ def as_vector(name: str, value: ArrayLike) -> Vector:
     return array
 
 
+def as_real(name: str, value: ArrayLike) -> NDArray[np.float64]:
+    """`value` as a float64 array of any shape; not copied when it is one already."""
+    return _as_float64(name, value)
+
+
 def _as_float64(name: str, value: ArrayLike) -> NDArray[np.float64]:
     if type(value) is np.ndarray and value.dtype is _FLOAT64:
         return value

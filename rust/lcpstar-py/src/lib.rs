@@ -3,6 +3,7 @@
 use pyo3::prelude::*;
 
 mod arrays;
+mod batch;
 mod classes;
 mod errors;
 mod exact;
@@ -16,6 +17,8 @@ mod solve;
 mod _core {
     use super::*;
 
+    #[pymodule_export]
+    use crate::batch::{batch_methods, solve_batch};
     #[pymodule_export]
     use crate::classes::IntegerMatrix;
     #[pymodule_export]

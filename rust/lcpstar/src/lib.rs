@@ -6,6 +6,7 @@
 //! `error, status <- problem <- linalg, residual, pivoting, exact <- methods, certify <- driver <- batch`.
 //! [CPS92] writes `M` for our `A`; here `M` is a principal pivot transform of `A`.
 
+pub mod batch;
 pub mod certify;
 pub mod classes;
 pub mod control;

@@ -1,0 +1,288 @@
+"""`solve_batch`: many small problems in one call, and the same as a generalised ufunc."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import _core
+from .coerce import as_matrix, as_real, as_vector
+from .errors import OptionError, ShapeError
+from .result import Status
+
+_STATUS = np.array(list(Status), dtype=object)
+_METHODS = np.array(_core.batch_methods(), dtype=object)
+
+Floats = NDArray[np.float64]
+Guess = NDArray[np.uint64] | NDArray[np.bool_] | NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class BatchSolution:
+    """The verified results of a batch, as arrays over its leading axes.
+
+    `z` and `w` have shape (..., n). `residual` and `natural_residual` are upper bounds of the quantities of `Solution`,
+    rounding errors included; `tol` bounds `residual` wherever `success`. `alpha` holds the supports: bit masks (bit i: z_i
+    positive or basic) for n <= 64, else booleans of shape (..., n). `iterations` counts factorisations, pivots or
+    iterations of the method that answered.
+
+    For a ragged batch `offsets` is set and z, w and alpha (booleans) are flat: problem k has the entries
+    `offsets[k]:offsets[k + 1]`.
+    """
+
+    z: Floats
+    w: Floats
+    status_code: NDArray[np.uint8]
+    method_code: NDArray[np.uint8]
+    iterations: NDArray[np.uint32]
+    residual: Floats
+    natural_residual: Floats
+    alpha: NDArray[np.uint64] | NDArray[np.bool_]
+    offsets: NDArray[np.intp] | None = None
+
+    @cached_property
+    def success(self) -> NDArray[np.bool_]:
+        """Where the problem is solved."""
+        return np.asarray(self.status_code == 0)
+
+    @cached_property
+    def status(self) -> NDArray[Any]:
+        """A `Status` per problem."""
+        return np.asarray(_STATUS[self.status_code])
+
+    @cached_property
+    def method(self) -> NDArray[Any]:
+        """The name of the method that answered, per problem."""
+        return np.asarray(_METHODS[self.method_code])
+
+    def __len__(self) -> int:
+        """Length of the first axis; problems, if the batch is ragged."""
+        return len(self.status_code)
+
+    def __repr__(self) -> str:
+        """One line: how many, how many solved, how well."""
+        count, solved = self.status_code.size, int(np.count_nonzero(self.success))
+        worst = float(self.residual[self.success].max(initial=0.0))
+        return f"BatchSolution({solved} of {count} solved, residual <= {worst:.1e})"
+
+
+def solve_batch(
+    A: ArrayLike | Sequence[Any],
+    q: ArrayLike | Sequence[Any] | None = None,
+    method: str = "auto",
+    tol: float = 1e-9,
+    threads: int | None = None,
+    z0: ArrayLike | Sequence[Any] | None = None,
+    alpha0: ArrayLike | None = None,
+) -> BatchSolution:
+    """Solve many problems LCP(q, A) in one call: for each, find z with `w = A z + q >= 0`, `z >= 0`, `z'w = 0`.
+
+    Parameters
+    ----------
+    A : (..., n, n) array_like, or a list of square matrices, or a list of pairs (A, q)
+    q : (..., n) array_like, or a list of vectors; None for a list of pairs
+        Leading axes broadcast as in NumPy: one A with many q, many A with one q, or both. C-contiguous float64 arrays
+        are not copied. Lists may mix orders ("ragged"); the results are then flat, see `BatchSolution.offsets`.
+    method : str
+        "auto": kernels for small problems (below), then what `solve` does. Any other name as in `solve`, for all.
+    tol : float in (0, 1)
+        As in `solve`; bounds `residual` of solved problems.
+    threads : int, optional
+        Threads at most; one per core if None. Results are the same bits for any number of threads, any split of the
+        batch and any order of its problems.
+    z0 : (..., n) array_like, optional
+        Guesses, e.g. the last frame's z. Only the support counts. A right one costs one factorisation and no pivot.
+    alpha0 : (...) unsigned integers (bit masks, n <= 64) or (..., n) booleans, optional
+        Guessed supports, e.g. `BatchSolution.alpha` of the last frame. Not together with z0.
+
+    Returns
+    -------
+    BatchSolution
+
+    Raises
+    ------
+    ShapeError, DTypeError, NotFiniteError, OptionError
+        The message names the argument and the index, the first of which is the place in the (flattened) batch.
+        A problem that cannot be solved does not raise: look at `status`.
+
+    Notes
+    -----
+    Up to n = 20 eight problems share the registers of one core: Newton's method on min(z, w), which is block principal
+    pivoting, for matrices with a positive diagonal, then Lemke's method for what that leaves; up to n = 192 Lemke's
+    method on a condensed tableau; then the portfolio of `solve`. Every answer is verified from the given numbers with
+    room for rounding; what fails is handed on, never dropped. Nothing is allocated per problem before the last stage.
+    The interpreter is released. [CPS92] secs. 4.4, 5.8.
+
+    Examples
+    --------
+    >>> sols = solve_batch([[[2, 1], [1, 2]]], [[-5, -6], [1, -2]])
+    >>> sols.success.all(), sols.z.round(4).tolist()
+    (np.True_, [[1.3333, 2.3333], [0.0, 1.0]])
+    """
+    count = 0 if threads is None else threads
+    if threads is not None and threads < 1:
+        raise OptionError(f"threads must be positive, got {threads}")
+    if z0 is not None and alpha0 is not None:
+        raise OptionError("z0 and alpha0 are both guesses of the support: give one of them")
+    if q is None:
+        if not isinstance(A, (list, tuple)) or any(len(pair) != 2 for pair in A):
+            raise ShapeError("without q, A must be a list of pairs (A, q)")
+        return _ragged([pair[0] for pair in A], [pair[1] for pair in A], method, tol, count, z0, alpha0)
+    if isinstance(A, (list, tuple)) and isinstance(q, (list, tuple)) and len({np.shape(v) for v in q}) > 1:
+        return _ragged(A, q, method, tol, count, z0, alpha0)
+    return _uniform(as_real("A", A), as_real("q", q), method, tol, count, z0, alpha0)
+
+
+def solve_gufunc(A: ArrayLike, q: ArrayLike, tol: float = 1e-9, threads: int | None = 1) -> Floats:
+    """Solve a batch and return z alone, NaN where a problem is not solved: a function of signature "(n,n),(n)->(n)".
+
+    For `dask.array.apply_gufunc(lcpstar.solve_gufunc, lcpstar.solve_gufunc.signature, A, q)` and
+    `xarray.apply_ufunc(..., input_core_dims=[["i", "j"], ["j"]], output_core_dims=[["i"]])`. One thread by default: the
+    caller's scheduler owns the cores. See examples/dask_batch.py.
+
+    Parameters
+    ----------
+    A : (..., n, n) array_like
+    q : (..., n) array_like
+    tol, threads
+        As in `solve_batch`, which also says what is raised and at which cost.
+
+    Returns
+    -------
+    (..., n) array
+
+    Examples
+    --------
+    >>> solve_gufunc([[2, 1], [1, 2]], [[-5, -6], [1, -2]]).round(4).tolist()
+    [[1.3333, 2.3333], [0.0, 1.0]]
+    """
+    sols = solve_batch(A, q, tol=tol, threads=threads)
+    if not sols.success.all():
+        sols.z[~sols.success] = np.nan
+    return sols.z
+
+
+solve_gufunc.signature = "(n,n),(n)->(n)"  # type: ignore[attr-defined]
+
+
+def _uniform(
+    A: Floats, q: Floats, method: str, tol: float, threads: int, z0: Any, alpha0: ArrayLike | None
+) -> BatchSolution:
+    if A.ndim < 2 or A.shape[-1] != A.shape[-2]:
+        raise ShapeError(f"A must have shape (..., n, n), got {A.shape}")
+    n = A.shape[-1]
+    if q.ndim < 1 or q.shape[-1] != n:
+        raise ShapeError(f"q must have shape (..., {n}) to fit A of shape {A.shape}, got {q.shape}")
+    try:
+        lead = np.broadcast_shapes(A.shape[:-2], q.shape[:-1])
+    except ValueError as error:
+        raise ShapeError(f"leading axes of A {A.shape} and q {q.shape} do not broadcast") from error
+    count = int(np.prod(lead, dtype=np.intp))
+    out = _core.solve_batch(
+        np.ascontiguousarray(A).reshape(-1, n, n) if A.size else np.zeros((count, n, n)),
+        np.ascontiguousarray(q).reshape(-1, n) if q.size else np.zeros((count, n)),
+        count,
+        _map(A.shape[:-2], lead),
+        _map(q.shape[:-1], lead),
+        method,
+        tol,
+        threads,
+        _guess(z0, alpha0, lead, n),
+    )
+    z, w, status, method_code, iterations, residual, natural, alpha = out
+    return BatchSolution(
+        z.reshape(*lead, n),
+        w.reshape(*lead, n),
+        status.reshape(lead),
+        method_code.reshape(lead),
+        iterations.reshape(lead),
+        residual.reshape(lead),
+        natural.reshape(lead),
+        alpha.reshape(lead) if alpha.ndim == 1 else alpha.reshape(*lead, n),
+    )
+
+
+def _map(own: tuple[int, ...], lead: tuple[int, ...]) -> NDArray[np.uintp] | None:
+    """Which block of an array of leading shape `own` each problem reads; None: its own, or the only one."""
+    blocks = int(np.prod(own, dtype=np.intp))
+    if blocks == 1 or blocks == int(np.prod(lead, dtype=np.intp)):
+        return None
+    return np.ascontiguousarray(np.broadcast_to(np.arange(blocks, dtype=np.uintp).reshape(own), lead)).ravel()
+
+
+def _guess(z0: Any, alpha0: ArrayLike | None, lead: tuple[int, ...], n: int) -> Guess | None:
+    if z0 is not None:
+        points = as_real("z0", z0)
+        return np.ascontiguousarray(_broadcast("z0", points, (*lead, n))).reshape(-1, n)
+    if alpha0 is None:
+        return None
+    alpha = np.asarray(alpha0)
+    if alpha.dtype == np.bool_:
+        return np.ascontiguousarray(_broadcast("alpha0", alpha, (*lead, n))).reshape(-1, n)
+    if alpha.dtype.kind not in "iu" or n > 64:
+        raise ShapeError(f"alpha0 must be booleans (..., {n}), or bit masks for n <= 64; got dtype {alpha.dtype}")
+    masks = alpha.astype(np.uint64, copy=False)
+    return np.ascontiguousarray(_broadcast("alpha0", masks, lead)).ravel()
+
+
+def _broadcast(name: str, array: NDArray[Any], shape: tuple[int, ...]) -> NDArray[Any]:
+    try:
+        return np.broadcast_to(array, shape)
+    except ValueError as error:
+        raise ShapeError(f"{name} must broadcast to shape {shape}, got {array.shape}") from error
+
+
+def _ragged(
+    A: Sequence[Any], q: Sequence[Any], method: str, tol: float, threads: int, z0: Any, alpha0: ArrayLike | None
+) -> BatchSolution:
+    """Problems of one order are solved together; results go to their places in flat arrays."""
+    if len(A) != len(q):
+        raise ShapeError(f"A and q must have the same length, got {len(A)} matrices and {len(q)} vectors")
+    if alpha0 is not None:
+        raise OptionError("alpha0 needs problems of one order; give z0 as a list of vectors")
+    matrices = [as_matrix(f"A[{k}]", matrix) for k, matrix in enumerate(A)]
+    vectors = [as_vector(f"q[{k}]", vector) for k, vector in enumerate(q)]
+    for k, (matrix, vector) in enumerate(zip(matrices, vectors, strict=True)):
+        if len(matrix) != len(vector):
+            raise ShapeError(f"q[{k}] must have length {len(matrix)}, got {len(vector)}")
+    orders = np.array([len(vector) for vector in vectors], dtype=np.intp)
+    offsets = np.concatenate([[0], np.cumsum(orders)]).astype(np.intp)
+    count, total = len(orders), int(offsets[-1])
+    sols = BatchSolution(
+        np.zeros(total),
+        np.zeros(total),
+        np.zeros(count, np.uint8),
+        np.zeros(count, np.uint8),
+        np.zeros(count, np.uint32),
+        np.zeros(count),
+        np.zeros(count),
+        np.zeros(total, np.bool_),
+        offsets,
+    )
+    for n in np.unique(orders):
+        members = np.flatnonzero(orders == n)
+        guess = None if z0 is None else np.array([as_vector(f"z0[{k}]", z0[k]) for k in members]).reshape(-1, n)
+        part = _uniform(
+            np.array([matrices[k] for k in members]).reshape(-1, n, n),
+            np.array([vectors[k] for k in members]).reshape(-1, n),
+            method,
+            tol,
+            threads,
+            guess,
+            None,
+        )
+        places = offsets[members][:, None] + np.arange(n)
+        sols.z[places], sols.w[places] = part.z, part.w
+        sols.alpha[places] = part.alpha if part.alpha.ndim == 2 else _flags(part.alpha, int(n))
+        for field in ("status_code", "method_code", "iterations", "residual", "natural_residual"):
+            getattr(sols, field)[members] = getattr(part, field)
+    return sols
+
+
+def _flags(masks: NDArray[Any], n: int) -> NDArray[np.bool_]:
+    return ((masks[:, None] >> np.arange(n, dtype=np.uint64)) & np.uint64(1)).astype(np.bool_)

@@ -1,0 +1,108 @@
+//! `solve_batch`: borrow the arrays, leave the interpreter, hand back arrays.
+
+use lcpstar::batch::{self, Alpha, Guess, METHODS, Output, Problems, Settings, Source};
+use lcpstar::driver::Method;
+use numpy::{
+    PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3, PyUntypedArrayMethods,
+};
+use pyo3::prelude::*;
+
+use crate::errors::{Signals, enter_core, to_python};
+
+/// A guess of the supports, in one of three forms.
+#[derive(FromPyObject)]
+pub enum GuessArray<'py> {
+    Masks(PyReadonlyArray1<'py, u64>),
+    Flags(PyReadonlyArray2<'py, bool>),
+    Points(PyReadonlyArray2<'py, f64>),
+}
+
+/// Which block of an array belongs to problem k.
+fn source<'a>(map: Option<&'a PyReadonlyArray1<'_, usize>>, blocks: usize, count: usize) -> PyResult<Source<'a>> {
+    Ok(match map {
+        Some(map) => Source::Mapped(map.as_slice()?),
+        None if blocks == 1 && count != 1 => Source::One,
+        None => Source::Each,
+    })
+}
+
+/// The arrays of [`Output`], in its order, with alpha as masks (n <= 64) or flags.
+type Results<'py> = (
+    Bound<'py, PyArray2<f64>>,
+    Bound<'py, PyArray2<f64>>,
+    Bound<'py, PyArray1<u8>>,
+    Bound<'py, PyArray1<u8>>,
+    Bound<'py, PyArray1<u32>>,
+    Bound<'py, PyArray1<f64>>,
+    Bound<'py, PyArray1<f64>>,
+    Bound<'py, PyAny>,
+);
+
+/// Solves `count` problems; arguments already coerced to C-contiguous arrays by `lcpstar.solve_batch`.
+#[pyfunction]
+#[pyo3(signature = (a, q, count, a_map, q_map, method, tol, threads, guess))]
+pub fn solve_batch<'py>(
+    py: Python<'py>,
+    a: PyReadonlyArray3<'py, f64>,
+    q: PyReadonlyArray2<'py, f64>,
+    count: usize,
+    a_map: Option<PyReadonlyArray1<'py, usize>>,
+    q_map: Option<PyReadonlyArray1<'py, usize>>,
+    method: &str,
+    tol: f64,
+    threads: usize,
+    guess: Option<GuessArray<'py>>,
+) -> PyResult<Results<'py>> {
+    let n = q.shape()[1];
+    let problems = Problems {
+        n,
+        count,
+        a: a.as_slice()?,
+        a_source: source(a_map.as_ref(), a.shape()[0], count)?,
+        q: q.as_slice()?,
+        q_source: source(q_map.as_ref(), q.shape()[0], count)?,
+    };
+    let guess = match &guess {
+        None => Guess::None,
+        Some(GuessArray::Masks(v)) => Guess::Masks(v.as_slice()?),
+        Some(GuessArray::Flags(v)) => Guess::Flags(v.as_slice()?),
+        Some(GuessArray::Points(v)) => Guess::Points(v.as_slice()?),
+    };
+    let (z, w) = (PyArray2::zeros(py, [count, n], false), PyArray2::zeros(py, [count, n], false));
+    let (status, method_code) = (PyArray1::zeros(py, count, false), PyArray1::zeros(py, count, false));
+    let iterations = PyArray1::zeros(py, count, false);
+    let (residual, natural) = (PyArray1::zeros(py, count, false), PyArray1::zeros(py, count, false));
+    let masks = PyArray1::<u64>::zeros(py, if n <= 64 { count } else { 0 }, false);
+    let flags = PyArray2::<bool>::zeros(py, if n <= 64 { [0, n] } else { [count, n] }, false);
+    let signals = Signals::new();
+    {
+        let (mut z, mut w) = (z.try_readwrite()?, w.try_readwrite()?);
+        let (mut status, mut method_code, mut iterations) =
+            (status.try_readwrite()?, method_code.try_readwrite()?, iterations.try_readwrite()?);
+        let (mut residual, mut natural) = (residual.try_readwrite()?, natural.try_readwrite()?);
+        let (mut masks, mut flags) = (masks.try_readwrite()?, flags.try_readwrite()?);
+        let output = Output {
+            z: z.as_slice_mut()?,
+            w: w.as_slice_mut()?,
+            status: status.as_slice_mut()?,
+            method: method_code.as_slice_mut()?,
+            iterations: iterations.as_slice_mut()?,
+            residual: residual.as_slice_mut()?,
+            natural_residual: natural.as_slice_mut()?,
+            alpha: if n <= 64 { Alpha::Masks(masks.as_slice_mut()?) } else { Alpha::Flags(flags.as_slice_mut()?) },
+        };
+        let interrupted = || signals.interrupted();
+        let general = Method::from_name(method).map_err(|e| to_python(py, &e))?;
+        let settings = Settings { method: &general, tol, threads, guess, interrupted: Some(&interrupted) };
+        enter_core(py, || batch::solve_batch(&problems, &settings, output))?;
+    }
+    signals.raise()?;
+    let alpha = if n <= 64 { masks.into_any() } else { flags.into_any() };
+    Ok((z, w, status, method_code, iterations, residual, natural, alpha))
+}
+
+/// Names of the method codes.
+#[pyfunction]
+pub fn batch_methods() -> Vec<&'static str> {
+    METHODS.to_vec()
+}

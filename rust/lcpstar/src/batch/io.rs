@@ -1,0 +1,182 @@
+//! What goes into a batch and what comes out: borrowed arrays, never copied whole.
+
+use crate::driver::Method;
+
+/// Which block of an array belongs to problem k.
+#[derive(Clone, Copy, Debug)]
+pub enum Source<'a> {
+    /// Block k.
+    Each,
+    /// Block 0 for every problem.
+    One,
+    /// Block `map[k]`.
+    Mapped(&'a [usize]),
+}
+
+impl Source<'_> {
+    /// The block of problem `k`.
+    #[inline(always)]
+    #[must_use]
+    pub fn block(self, k: usize) -> usize {
+        match self {
+            Self::Each => k,
+            Self::One => 0,
+            Self::Mapped(map) => map[k],
+        }
+    }
+}
+
+/// `count` problems of order `n`: blocks of `n * n` numbers of `a` (row-major) and of `n` numbers of `q`.
+#[derive(Clone, Copy, Debug)]
+pub struct Problems<'a, T> {
+    /// Order.
+    pub n: usize,
+    /// Problems.
+    pub count: usize,
+    /// Matrices.
+    pub a: &'a [T],
+    /// Where each problem's matrix is.
+    pub a_source: Source<'a>,
+    /// Vectors.
+    pub q: &'a [T],
+    /// Where each problem's vector is.
+    pub q_source: Source<'a>,
+}
+
+impl<'a, T> Problems<'a, T> {
+    /// The numbers of problem `k`.
+    #[inline(always)]
+    #[must_use]
+    pub fn get(&self, k: usize) -> (&'a [T], &'a [T]) {
+        let (i, j, n) = (self.a_source.block(k), self.q_source.block(k), self.n);
+        (&self.a[i * n * n..(i + 1) * n * n], &self.q[j * n..(j + 1) * n])
+    }
+}
+
+/// A guess of each problem's support, e.g. that of the last frame.
+#[derive(Clone, Copy, Debug)]
+pub enum Guess<'a> {
+    /// Start from the rows with `q_i < 0`.
+    None,
+    /// Bit i of mask k: z_i of problem k is positive (n <= 64).
+    Masks(&'a [u64]),
+    /// `n` flags per problem.
+    Flags(&'a [bool]),
+    /// `n` numbers per problem: positive where z is.
+    Points(&'a [f64]),
+}
+
+impl Guess<'_> {
+    /// Whether z_i of problem `k` is guessed positive; `otherwise` without a guess.
+    #[inline(always)]
+    #[must_use]
+    pub fn contains(self, n: usize, k: usize, i: usize, otherwise: bool) -> bool {
+        match self {
+            Self::None => otherwise,
+            Self::Masks(masks) => masks[k] >> i & 1 == 1,
+            Self::Flags(flags) => flags[k * n + i],
+            Self::Points(z) => z[k * n + i] > 0.0,
+        }
+    }
+}
+
+/// Where supports are written.
+#[derive(Debug)]
+pub enum Alpha<'a> {
+    /// One mask per problem (n <= 64).
+    Masks(&'a mut [u64]),
+    /// `n` flags per problem.
+    Flags(&'a mut [bool]),
+}
+
+impl<'a> Alpha<'a> {
+    /// The first `problems` of order `n`, and the rest.
+    fn split(self, problems: usize, n: usize) -> (Self, Self) {
+        match self {
+            Self::Masks(v) => {
+                let (head, tail) = v.split_at_mut(problems);
+                (Self::Masks(head), Self::Masks(tail))
+            }
+            Self::Flags(v) => {
+                let (head, tail) = v.split_at_mut(problems * n);
+                (Self::Flags(head), Self::Flags(tail))
+            }
+        }
+    }
+
+    /// Writes the support of problem `k`.
+    #[inline(always)]
+    pub(super) fn write(&mut self, n: usize, k: usize, is_in: impl Fn(usize) -> bool) {
+        match self {
+            Self::Masks(v) => v[k] = (0..n).fold(0, |mask, i| mask | u64::from(is_in(i)) << i),
+            Self::Flags(v) => {
+                for (i, flag) in v[k * n..(k + 1) * n].iter_mut().enumerate() {
+                    *flag = is_in(i);
+                }
+            }
+        }
+    }
+}
+
+/// Results, one entry (or `n`) per problem.
+#[derive(Debug)]
+pub struct Output<'a> {
+    /// Solutions.
+    pub z: &'a mut [f64],
+    /// Slacks.
+    pub w: &'a mut [f64],
+    /// [`Status`](crate::Status) as a number, in the order of its variants.
+    pub status: &'a mut [u8],
+    /// Index into [`METHODS`](super::METHODS).
+    pub method: &'a mut [u8],
+    /// Factorisations, pivots or iterations.
+    pub iterations: &'a mut [u32],
+    /// Bound of the scale-free residual.
+    pub residual: &'a mut [f64],
+    /// Bound of the natural residual in the caller's units.
+    pub natural_residual: &'a mut [f64],
+    /// Supports.
+    pub alpha: Alpha<'a>,
+}
+
+impl Output<'_> {
+    /// The results of the first `problems` problems of order `n`, and the rest.
+    pub(super) fn split(self, problems: usize, n: usize) -> (Self, Self) {
+        let (z, z_rest) = self.z.split_at_mut(problems * n);
+        let (w, w_rest) = self.w.split_at_mut(problems * n);
+        let (status, status_rest) = self.status.split_at_mut(problems);
+        let (method, method_rest) = self.method.split_at_mut(problems);
+        let (iterations, iterations_rest) = self.iterations.split_at_mut(problems);
+        let (residual, residual_rest) = self.residual.split_at_mut(problems);
+        let (natural_residual, natural_rest) = self.natural_residual.split_at_mut(problems);
+        let (alpha, alpha_rest) = self.alpha.split(problems, n);
+        (
+            Self { z, w, status, method, iterations, residual, natural_residual, alpha },
+            Self {
+                z: z_rest,
+                w: w_rest,
+                status: status_rest,
+                method: method_rest,
+                iterations: iterations_rest,
+                residual: residual_rest,
+                natural_residual: natural_rest,
+                alpha: alpha_rest,
+            },
+        )
+    }
+}
+
+/// What the caller may choose.
+#[derive(Clone, Copy)]
+pub struct Settings<'a> {
+    /// `Auto` for the kernels with the portfolio behind them; any other method solves every problem alone.
+    pub method: &'a Method,
+    /// Bounds `residual` of a solved problem.
+    pub tol: f64,
+    /// Threads at most; 0: one per core.
+    pub threads: usize,
+    /// Guessed supports.
+    pub guess: Guess<'a>,
+    /// Says whether the caller wants to stop; asked between chunks.
+    pub interrupted: Option<&'a (dyn Fn() -> bool + Sync)>,
+}

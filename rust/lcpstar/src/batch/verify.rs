@@ -1,0 +1,139 @@
+//! Whether a point solves the problem, in the arithmetic of the lanes and therefore with room for its errors: what is
+//! accepted here, [`certify`](crate::certify) accepts. What is not, is looked at again by a slower path.
+//!
+//! Let `m = |A||z| + |q|`. The computed `w_i` is off by at most `e_i = (n + 2) eps/2 m_i` [Hig02, sec. 3.1], so
+//! `|min(z_i, w_i)| <= b_i := max(e_i - w_i, min(z_i, w_i + e_i), 0)`. With the equilibrated problem's entries below 2 and
+//! `|q'| < 1`, `m'_i <= 2 n max|z'| + 1`; ratios `b_i / m_i` do not depend on the scaling, so
+//! `(2 n + 1) max_i b_i / m_i` bounds the scale-free residual without equilibrating.
+
+use super::lane::{Lane, Mask};
+
+/// Lane by lane: accepted or not, and bounds of both residuals.
+pub struct Verdict<X: Lane> {
+    /// Lanes that solve their problem.
+    pub solved: X::Mask,
+    /// Bound of the scale-free residual.
+    pub residual: X,
+    /// Bound of the natural residual in the caller's units.
+    pub natural_residual: X,
+}
+
+/// `m_i` outside this range might hide an overflow or underflow: such rows are not for the fast path.
+const MAGNITUDES: std::ops::Range<f64> = 1e-280..1e280;
+
+/// Judges `z >= 0` and `w = A z + q` as computed. O(n^2).
+#[inline(always)]
+pub fn verify<X: Lane, const N: usize>(n: usize, a: &[X], q: &[X], z: &[X], w: &[X], tol: f64) -> Verdict<X> {
+    let n = if N == 0 { n } else { N };
+    let (a, q, z, w) = (&a[..n * n], &q[..n], &z[..n], &w[..n]);
+    let mut largest_q = X::splat(0.0);
+    for i in 0..n {
+        largest_q = q[i].abs().max(largest_q);
+    }
+    let mut rows = Rows {
+        rounding: X::splat(0.5 * (n as f64 + 2.0) * X::EPS * 1.01),
+        allowed: largest_q.mul(X::splat(9.99 * tol)),
+        solved: X::Mask::ALL,
+        ratio: X::splat(0.0),
+        natural: X::splat(0.0),
+    };
+    let mut i = 0;
+    while i + 4 <= n {
+        let mut m = [q[i].abs(), q[i + 1].abs(), q[i + 2].abs(), q[i + 3].abs()];
+        for j in 0..n {
+            for r in 0..4 {
+                m[r] = m[r].add_product(a[(i + r) * n + j].abs(), z[j]);
+            }
+        }
+        for r in 0..4 {
+            rows.judge(z[i + r], w[i + r], m[r]);
+        }
+        i += 4;
+    }
+    while i < n {
+        let mut m = q[i].abs();
+        for j in 0..n {
+            m = m.add_product(a[i * n + j].abs(), z[j]);
+        }
+        rows.judge(z[i], w[i], m);
+        i += 1;
+    }
+    let residual = rows.ratio.mul(X::splat(2.0 * n as f64 + 1.0));
+    let solved = rows.solved.and(residual.le(X::splat(0.999 * tol)));
+    Verdict { solved, residual, natural_residual: rows.natural }
+}
+
+/// The rows judged so far.
+struct Rows<X: Lane> {
+    rounding: X,
+    allowed: X,
+    solved: X::Mask,
+    ratio: X,
+    natural: X,
+}
+
+impl<X: Lane> Rows<X> {
+    /// Row i: `z_i`, `w_i` and `m_i`. Not a closure: those are not compiled for the instruction set of their caller.
+    #[inline(always)]
+    fn judge(&mut self, z: X, w: X, m: X) {
+        let zero = X::splat(0.0);
+        let (least, most) = (X::splat(MAGNITUDES.start), X::splat(MAGNITUDES.end));
+        let e = self.rounding.mul(m);
+        let b = e.sub(w).max(z.min(w.add(e))).max(zero).only(zero.lt(m));
+        let in_range = m.lt(most).and(least.lt(m).or(m.eq(zero)));
+        let in_units = b.le(self.allowed.add_product(X::splat(7.9 * f64::EPSILON), m));
+        self.solved = self.solved.and(in_range).and(in_units).and(zero.le(z));
+        self.ratio = b.div(m.max(least)).max(self.ratio);
+        self.natural = b.max(self.natural);
+    }
+}
+
+/// [`verify`] for one problem in double precision, vectorised along the rows of the padded matrix `a`, `width` vectors
+/// a row; also writes `w = A z + q`. O(n^2).
+#[inline(always)]
+pub fn verify_one<X: Lane<Number = f64>>(
+    n: usize,
+    width: usize,
+    a: &[X],
+    q: &[f64],
+    z: &[X],
+    w: &mut [f64],
+    sums: &mut [[X; 2]],
+    tol: f64,
+) -> Judged {
+    for (sums, row) in sums.iter_mut().zip(a.chunks_exact(width)) {
+        let mut sum = [X::splat(0.0); 2];
+        for (a, z) in row.iter().zip(z) {
+            sum[0] = sum[0].add_product(*a, *z);
+            sum[1] = sum[1].add_product(a.abs(), *z);
+        }
+        *sums = sum;
+    }
+    let rounding = 0.5 * (n as f64 + 2.0) * f64::EPSILON * 1.01;
+    let allowed = 9.99 * tol * q.iter().fold(0.0, |m: f64, x| if x.abs() > m { x.abs() } else { m });
+    let (mut solved, mut ratio, mut natural) = (true, 0.0_f64, 0.0_f64);
+    for i in 0..n {
+        let (wi, m) = (q[i] + sums[i][0].sum(), q[i].abs() + sums[i][1].sum());
+        let zi = z[i / X::LANES].get(i % X::LANES);
+        w[i] = wi;
+        let e = rounding * m;
+        let b = if m > 0.0 { (e - wi).max(zi.min(wi + e)).max(0.0) } else { 0.0 };
+        let in_range = m == 0.0 || MAGNITUDES.contains(&m);
+        solved &= in_range && zi >= 0.0 && b <= allowed + 7.9 * f64::EPSILON * m;
+        ratio = ratio.max(b / m.max(MAGNITUDES.start));
+        natural = natural.max(b);
+    }
+    let residual = (2.0 * n as f64 + 1.0) * ratio;
+    Judged { solved: solved && residual <= 0.999 * tol, residual, natural_residual: natural }
+}
+
+/// What [`verify_one`] found.
+#[derive(Clone, Copy, Debug)]
+pub struct Judged {
+    /// Whether the point solves the problem.
+    pub solved: bool,
+    /// Bound of the scale-free residual.
+    pub residual: f64,
+    /// Bound of the natural residual in the caller's units.
+    pub natural_residual: f64,
+}
