@@ -15,7 +15,7 @@ def test_session_of_a_theorist():
 
 
 @pytest.mark.parametrize(
-    "name", ["classes.registry", "classes.report", "classes.game", "classes.solution_set", "explore"]
+    "name", ["classes.registry", "classes.report", "classes.game", "classes.solution_set", "exploring"]
 )
 def test_docstrings(name):
     failed, attempted = doctest.testmod(importlib.import_module(f"lcpstar.{name}"))

@@ -27,8 +27,8 @@ class BatchSolution:
     """The verified results of a batch, as arrays over its leading axes.
 
     `z` and `w` have shape (..., n). `residual` and `natural_residual` are upper bounds of the quantities of `Solution`,
-    rounding errors included; `tol` bounds `residual` wherever `success`. `alpha` holds the supports: bit masks (bit i: z_i
-    positive or basic) for n <= 64, else booleans of shape (..., n). `iterations` counts factorisations, pivots or
+    rounding errors included; `tol` bounds `residual` wherever `success`. `alpha` holds the supports: bit masks (bit i:
+    z_i positive or basic) for n <= 64, else booleans of shape (..., n). `iterations` counts factorisations, pivots or
     iterations of the method that answered.
 
     For a ragged batch `offsets` is set and z, w and alpha (booleans) are flat: problem k has the entries
