@@ -66,6 +66,8 @@ pub fn first_violation(a: &IMatrix, rule: Rule, proper: bool, budget: &Budget<'_
 
 /// Unit roundoff with room to spare.
 const UNIT: f64 = f64::EPSILON;
+/// Covers the rounding of the bounds themselves: a few operations on positive numbers.
+const ROOM: f64 = 1.0 + 1e-12;
 /// Covers underflow in the error bound.
 const TINY: f64 = 1e-280;
 
@@ -74,15 +76,23 @@ struct Recursion<'a, 'b> {
     rule: Rule,
     whole: Option<u64>,
     budget: &'a Budget<'b>,
-    /// `levels[k]` holds the Schur complement after k pivots, with rows of length n.
-    levels: Vec<Vec<f64>>,
+    /// `levels[k]` holds the Schur complement after k pivots.
+    levels: Vec<Level>,
     n: usize,
+}
+
+/// A matrix in doubles, rows of length n, and a bound of the error of each entry.
+#[derive(Clone)]
+struct Level {
+    values: Vec<f64>,
+    errors: Vec<f64>,
 }
 
 impl<'a, 'b> Recursion<'a, 'b> {
     fn new(a: &'a IMatrix, rule: Rule, proper: bool, budget: &'a Budget<'b>) -> Self {
         let n = a.rows();
-        Self { a, rule, whole: proper.then_some(full(n)), budget, levels: vec![vec![0.0; n * n]; n + 1], n }
+        let level = Level { values: vec![0.0; n * n], errors: vec![0.0; n * n] };
+        Self { a, rule, whole: proper.then_some(full(n)), budget, levels: vec![level; n + 1], n }
     }
 
     fn run(mut self) -> Search<Option<u64>> {
@@ -92,22 +102,24 @@ impl<'a, 'b> Recursion<'a, 'b> {
             let exact = IMatrix::clone(self.a);
             return self.exact(exact, indices(full(n)), 0, Int::ONE, 0);
         }
-        let largest = doubles.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
-        self.levels[0].copy_from_slice(&doubles);
+        for (error, x) in self.levels[0].errors.iter_mut().zip(&doubles) {
+            *error = if *x == 0.0 { 0.0 } else { 4.0 * UNIT * x.abs() + TINY };
+        }
+        self.levels[0].values = doubles;
         self.budget.begin(1 << n.min(63));
-        self.visit(0, 0, 0, 1, 4.0 * UNIT * largest + TINY)
+        self.visit(0, 0, 0, 1)
     }
 
     fn allows(&self, alpha: u64, sign: i32) -> bool {
         self.whole == Some(alpha) || self.rule.allows(sign)
     }
 
-    /// Visits all subsets of `start..n` added to `chosen`; `error` bounds every entry of the level.
-    fn visit(&mut self, level: usize, start: usize, chosen: u64, sign: i32, error: f64) -> Search<Option<u64>> {
+    /// Visits all subsets of `start..n` added to `chosen`.
+    fn visit(&mut self, level: usize, start: usize, chosen: u64, sign: i32) -> Search<Option<u64>> {
         let n = self.n;
         for k in start..n {
             self.budget.step()?;
-            let pivot = self.levels[level][k * n + k];
+            let (pivot, error) = (self.levels[level].values[k * n + k], self.levels[level].errors[k * n + k]);
             let alpha = chosen | 1 << k;
             if pivot.abs() <= error {
                 let hit = self.undecided(k, chosen)?;
@@ -121,8 +133,8 @@ impl<'a, 'b> Recursion<'a, 'b> {
                 return Ok(Some(alpha));
             }
             if k + 1 < n {
-                let error = self.schur(level, k, pivot, error);
-                let hit = self.visit(level + 1, k + 1, alpha, sign, error)?;
+                self.schur(level, k);
+                let hit = self.visit(level + 1, k + 1, alpha, sign)?;
                 if hit.is_some() {
                     return Ok(hit);
                 }
@@ -131,33 +143,38 @@ impl<'a, 'b> Recursion<'a, 'b> {
         Ok(None)
     }
 
-    /// Writes the Schur complement of the pivot into the next level and returns its error bound.
-    fn schur(&mut self, level: usize, k: usize, pivot: f64, error: f64) -> f64 {
+    /// Writes the Schur complement of the pivot into the next level, with its error bounds.
+    ///
+    /// The true factor is `f + df` with `|df| <= (e_c + |f| e_p) / (|p| - e_p) + UNIT |f|`; the true entry
+    /// `m - (f + df)(r + dr)` then differs from `m - f r` by at most `e_m + |f| e_r + |df| (|r| + e_r)`, and rounding adds
+    /// one unit each of the product and of the difference. A row with `c = 0` exactly is copied as it is.
+    fn schur(&mut self, level: usize, k: usize) {
         let n = self.n;
         let (before, after) = self.levels.split_at_mut(level + 1);
         let (from, to) = (&before[level], &mut after[0]);
-        let row = &from[k * n + k + 1..(k + 1) * n];
-        let row_max = row.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
-        let mut column_max = 0.0_f64;
-        let mut entry_max = 0.0_f64;
+        let (pivot, e_pivot) = (from.values[k * n + k], from.errors[k * n + k]);
+        let (r, e_r) = (&from.values[k * n + k + 1..(k + 1) * n], &from.errors[k * n + k + 1..(k + 1) * n]);
+        let least = pivot.abs() - e_pivot;
         for i in k + 1..n {
-            let c = from[i * n + k];
-            column_max = column_max.max(c.abs());
-            let factor = c / pivot;
-            let source = &from[i * n + k + 1..(i + 1) * n];
-            let target = &mut to[i * n + k + 1..(i + 1) * n];
-            for ((t, s), r) in target.iter_mut().zip(source).zip(row) {
-                let x = s - factor * r;
-                *t = x;
-                entry_max = entry_max.max(x.abs());
+            let (c, e_c) = (from.values[i * n + k], from.errors[i * n + k]);
+            let entries = i * n + k + 1..(i + 1) * n;
+            let (m, e_m) = (&from.values[entries.clone()], &from.errors[entries.clone()]);
+            let (x, e_x) = (&mut to.values[entries.clone()], &mut to.errors[entries]);
+            if c == 0.0 && e_c == 0.0 {
+                x.copy_from_slice(m);
+                e_x.copy_from_slice(e_m);
+                continue;
+            }
+            let f = c / pivot;
+            let size = f.abs();
+            let df = ((e_c + size * e_pivot) / least + UNIT * size) * ROOM;
+            for j in 0..x.len() {
+                let product = f * r[j];
+                x[j] = m[j] - product;
+                let carried = e_m[j] + size * e_r[j] + df * (r[j].abs() + e_r[j]);
+                e_x[j] = (carried + UNIT * (product.abs() + x[j].abs())) * ROOM + TINY;
             }
         }
-        // True entry: m - c r / p with |c|, |r|, |p| known up to `error`; then two roundings of the product and one of the difference.
-        let p = pivot.abs();
-        let least = p - error;
-        let product = column_max * row_max / p;
-        let carried = error + error * (column_max + row_max + error) / least + product * error / least;
-        (carried + 2.0 * UNIT * (product + entry_max)) * (1.0 + 1e-12) + TINY
     }
 
     /// The pivot `k` on top of `chosen` may be zero: integers decide it and everything below it.
