@@ -12,7 +12,17 @@ from .errors import FileFormatError, LCPError
 from .files import read_problem
 from .solve import solve
 
-METHODS = ("auto", "lemke", "lemke_howson", "block_pivoting", "bilinear", "potential_reduction")
+METHODS = (
+    "auto",
+    "lemke",
+    "lemke_howson",
+    "principal_pivoting",
+    "block_pivoting",
+    "chandrasekaran",
+    "enumerate",
+    "bilinear",
+    "potential_reduction",
+)
 
 
 def main(argv: list[str] | None = None) -> int:
@@ -115,6 +125,7 @@ def solution_as_dict(solution: Any) -> dict[str, Any]:
             "y": _plain(certificate.y),
             "z": _plain(certificate.z),
         },
+        "pieces": [{"indices": indices, "method": method} for indices, method in solution.pieces],
         "time": solution.time,
         "message": solution.message,
     }
