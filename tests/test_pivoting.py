@@ -9,7 +9,17 @@ from hypothesis import strategies as st
 
 import lcpstar
 from lcp_checks import assert_farkas, assert_solves
-from lcpstar.problems import box_stack, degenerate, obstacle_1d, psd_half_rank, random_pd
+from lcpstar.problems import (
+    box_stack,
+    csizmadia,
+    degenerate,
+    fathi,
+    morris,
+    murty,
+    obstacle_1d,
+    psd_half_rank,
+    random_pd,
+)
 
 ANY = ["auto", "lemke", "principal_pivoting", "enumerate"]
 
@@ -136,3 +146,37 @@ def test_obstacle_in_at_most_n_pivots():
     solution = lcpstar.solve(A, q, method="chandrasekaran")
     assert_solves(A, q, solution)
     assert solution.iterations == len(solution.alpha) <= 60
+
+
+#: Pivots of auto, lemke and principal_pivoting: a change is explained in the commit.
+GOLDEN = {
+    ("murty", 4): (1, 2, 1),
+    ("murty", 20): (1, 2, 1),
+    ("murty", 40): (1, 2, 1),
+    ("fathi", 4): (4, 4, 1),
+    ("fathi", 20): (4, 4, 1),
+    ("fathi", 60): (29, 4, 1),
+    ("csizmadia", 4): (4, 5, 4),
+    ("csizmadia", 32): (32, 33, 32),
+    ("csizmadia", 60): (60, 144, 97),
+    ("morris", 5): (6, 6, 13),
+    ("morris", 15): (16, 16, 113),
+    ("morris", 31): (1, 32, 481),
+    ("box_stack", 1): (4, 4, 3),
+    ("box_stack", 3): (10, 10, 9),
+    ("box_stack", 10): (21, 31, 30),
+    ("degenerate", 4): (2, 2, 1),
+    ("degenerate", 16): (4, 4, 3),
+    ("degenerate", 30): (9, 9, 36),
+}
+FAMILIES = (murty, fathi, csizmadia, morris, box_stack, degenerate)
+
+
+@pytest.mark.parametrize("case", GOLDEN, ids=lambda case: f"{case[0]}-{case[1]}")
+def test_golden_pivot_counts(case):
+    family = next(family for family in FAMILIES if family.__name__ == case[0])
+    A, q = family(case[1])
+    found = [lcpstar.solve(A, q, method=method) for method in ("auto", "lemke", "principal_pivoting")]
+    for solution in found:
+        assert_solves(A, q, solution)
+    assert tuple(solution.iterations for solution in found) == GOLDEN[case]

@@ -58,7 +58,8 @@ def solve(
     Raises
     ------
     ShapeError, DTypeError, NotFiniteError, OptionError
-        Subclasses of LCPError and of ValueError or TypeError, as is TooLargeError ("enumerate" beyond its order). A problem that cannot be solved does not raise.
+        Subclasses of LCPError and of ValueError or TypeError, as is TooLargeError ("enumerate" beyond its order).
+        A problem that cannot be solved does not raise.
 
     Notes
     -----
