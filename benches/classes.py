@@ -5,9 +5,9 @@ from __future__ import annotations
 import time
 
 import numpy as np
-from harness import write_record
 
 import lcpstar
+from harness import write_record
 from lcpstar import classes
 
 ALL_BUT_EC = [symbol for symbol in classes.CLASSES if symbol != "Ec"]

@@ -18,7 +18,10 @@ METHODS = (
     "auto",
     "lemke",
     "lemke_howson",
+    "principal_pivoting",
     "block_pivoting",
+    "chandrasekaran",
+    "enumerate",
     "bilinear",
     "interior_point",
     "potential_reduction",
@@ -130,6 +133,7 @@ def solution_as_dict(solution: Any) -> dict[str, Any]:
             "y": _plain(certificate.y),
             "z": _plain(certificate.z),
         },
+        "pieces": [{"indices": indices, "method": method} for indices, method in solution.pieces],
         "time": solution.time,
         "message": solution.message,
     }

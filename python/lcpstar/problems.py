@@ -25,6 +25,16 @@ def fathi(n: int) -> Problem:
     return M @ M.T, q
 
 
+def morris(n: int) -> Problem:
+    """Morris's P-matrix for odd n: ones, and twos after them in a ring; random pivoting is exponential. [Mor02]."""
+    return np.eye(n) + 2.0 * np.roll(np.eye(n), 1, axis=1), -np.ones(n)
+
+
+def csizmadia(n: int) -> Problem:
+    """Csizmadia's matrix, ones above minus ones: a P-matrix and Z, but with a handicap exponential in n. [KN11]."""
+    return np.eye(n) - np.tril(np.ones((n, n)), -1), -np.ones(n)
+
+
 def random_pd(n: int, seed: int = 0) -> Problem:
     """Unsymmetric, `A + A'` positive definite: a P-matrix, one solution for every q."""
     rng = np.random.default_rng(seed)

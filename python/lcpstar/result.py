@@ -31,7 +31,8 @@ class Certificate:
     """Why a status may be believed.
 
     `kind` is "solution" (`alpha`, the complementary basis, reproduces z), "infeasible" (`y >= 0, A'y <= 0, q'y < 0`),
-    "ray" or "not_sufficient". `exact` says whether it was proved in rational arithmetic; then `z` or `y` holds
+    "ray" or "not_sufficient" (`x_i (A x)_i <= 0` for all i and `< 0` for some i with x = `z`, or the same of A' with
+    x = `y`). `exact` says whether it was proved in rational arithmetic; then `z` or `y` holds
     `Fraction`s.
     In floating point, `A'y <= 0` holds up to rounding, bounded so that any feasible z would have norm above 1e10
     (equilibrated units).
@@ -75,6 +76,7 @@ _FIELDS = (
     "alpha",
     "certificate",
     "ray",
+    "pieces",
     "message",
     "time",
     "trace",

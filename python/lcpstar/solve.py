@@ -36,8 +36,8 @@ def solve(
         Need not be symmetric. Copied; never modified. A sparse A stays sparse: methods "auto" and "interior_point".
     q : (n,) array_like of real numbers
     method : str
-        "auto" (a documented portfolio, see docs/methods.md), "lemke", "lemke_howson", "block_pivoting",
-        "potential_reduction", "interior_point".
+        "auto" (a documented portfolio, see docs/methods.md), "lemke", "lemke_howson", "principal_pivoting",
+        "block_pivoting", "chandrasekaran" (Z-matrices), "enumerate" (n <= 24), "bilinear", "potential_reduction".
     tol : float in (0, 1)
         Bounds `Solution.residual` of a solved problem: `max|min(z', w')| / max(1, max|z'|)` on the problem
         equilibrated by powers of two, so it does not depend on units.
@@ -59,7 +59,8 @@ def solve(
     Raises
     ------
     ShapeError, DTypeError, NotFiniteError, OptionError
-        Subclasses of LCPError and of ValueError or TypeError. A problem that cannot be solved does not raise.
+        Subclasses of LCPError and of ValueError or TypeError, as is TooLargeError ("enumerate" beyond its order).
+        A problem that cannot be solved does not raise.
 
     Notes
     -----

@@ -101,6 +101,7 @@ def verify(A: ArrayLike, q: ArrayLike, sol: _Answer, exact: bool = False, tol: f
     -----
     "solved" means `z >= 0` and `|min(z, w)|_i <= 10 tol max|q| + 8 eps (|A||z| + |q|)_i` in every row.
     "infeasible" means `y >= 0, A'y <= 0, q'y < 0`, up to rounding unless exact; then no z >= 0 has A z + q >= 0.
+    A certificate "not_sufficient" is checked in rational numbers: x_i (A x)_i <= 0 for all i, < 0 for some i (or A').
     A ray must satisfy `w_hat = A z_hat + d z0_hat >= 0`, `z_hat >= 0`, `z_hat != 0`, `z_hat'w_hat = 0`.
 
     Examples
@@ -128,6 +129,9 @@ def verify(A: ArrayLike, q: ArrayLike, sol: _Answer, exact: bool = False, tol: f
             checks += _farkas(problem, certificate, proved)
         elif sol.status == "secondary_ray" and sol.ray is not None:
             checks += _ray(problem, sol.ray)
+        if certificate is not None and certificate.kind == "not_sufficient":
+            checks += _not_sufficient(problem, certificate)
+            proved = True
     return Report(tuple(checks), proved and all(check.ok for check in checks))
 
 
@@ -287,6 +291,22 @@ def _farkas(problem: _Problem, certificate: Any, exact: bool) -> list[Check]:
         Check("y >= 0", bool(np.all(v >= 0))),
         Check("A'y <= 0 up to rounding", bool(np.all(v @ problem.A <= _SOLVE_TOL * (np.abs(v) @ np.abs(problem.A))))),
         Check("q'y < 0", value_float < -(problem.n + 8) * _EPS * value_size, f"{value_float:.3g}"),
+    ]
+
+
+def _not_sufficient(problem: _Problem, certificate: Any) -> list[Check]:
+    """Exact, on the binary numbers of A: column sufficiency with x = z, row sufficiency with x = y."""
+    transposed = certificate.z is None
+    x = [Fraction(t) for t in (certificate.y if transposed else certificate.z) or []]
+    if len(x) != problem.n:
+        return [Check("the refuting vector has n entries", False, f"length {len(x)}")]
+    matrix = problem.A.T if transposed else problem.A
+    support = [j for j in range(problem.n) if x[j] != 0]
+    products = [x[i] * sum((Fraction(float(matrix[i, j])) * x[j] for j in support), Fraction(0)) for i in support]
+    name = "(A' x)" if transposed else "(A x)"
+    return [
+        Check(f"exact x_i {name}_i <= 0 for all i", all(product <= 0 for product in products)),
+        Check(f"exact x_i {name}_i < 0 for some i", any(product < 0 for product in products)),
     ]
 
 

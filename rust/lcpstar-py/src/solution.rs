@@ -84,6 +84,11 @@ fn certificate_object(py: Python<'_>, certificate: &Certificate) -> PyResult<Py<
             fields.set_item("exact", true)?;
             fields.set_item("z", fractions(py, z_hat)?)?;
         }
+        Certificate::NotSufficient(found) => {
+            fields.set_item("kind", "not_sufficient")?;
+            fields.set_item("exact", true)?;
+            fields.set_item(if found.transposed { "y" } else { "z" }, fractions(py, &found.x)?)?;
+        }
     }
     result_class(py, "Certificate", &fields)
 }
@@ -167,6 +172,11 @@ impl PySolution {
     fn ray(&self, py: Python<'_>) -> PyResult<Option<Py<PyAny>>> {
         let Some(ray) = &self.inner.ray else { return Ok(None) };
         Ok(Some(self.ray.get_or_try_init(py, || ray_object(py, ray))?.clone_ref(py)))
+    }
+
+    #[getter]
+    fn pieces(&self) -> Vec<(Vec<usize>, &'static str)> {
+        self.inner.pieces.clone()
     }
 
     #[getter]

@@ -45,7 +45,7 @@ fn method(py: Python<'_>, name: &str, options: Option<&Bound<'_, PyAny>>, n: usi
     let mut method = Method::from_name(name).map_err(|e| to_python(py, &e))?;
     let Some(options) = options else { return Ok(method) };
     match &mut method {
-        Method::Auto => {}
+        Method::Auto | Method::PrincipalPivoting | Method::Chandrasekaran | Method::Enumerate => {}
         Method::Lemke { settings: lemke::Settings { d }, restarts, seed } => {
             let given: LemkeOptions<'_> = options.extract()?;
             *d = given.d.as_ref().map(vector);

@@ -1,5 +1,6 @@
 //! The only place that may say "solved" or "infeasible": every claim is recomputed from the caller's data.
 
+use crate::exact::sufficiency::{self, NotSufficient};
 use crate::linalg::kernels::max_abs;
 use crate::residual::{equilibrated_residual, natural_residual, slack};
 use crate::scaling::{Equilibrated, Scaling};
@@ -30,7 +31,8 @@ pub fn certify(problem: &Equilibrated<'_>, candidate: Candidate, method: &'stati
     } else if let Some(y) = farkas_vector(problem, candidate.farkas.as_deref(), candidate.ray.as_ref()) {
         (Status::Infeasible, Some(Certificate::Infeasible { y, exact: None }))
     } else {
-        (unsolved(candidate.termination), None)
+        let proof = candidate.not_sufficient.and_then(|proof| insufficiency(problem, &proof));
+        (unsolved(candidate.termination), proof.map(Certificate::NotSufficient))
     };
     let alpha = match candidate.alpha {
         Some(alpha) if status == Status::Solved => alpha,
@@ -40,7 +42,7 @@ pub fn certify(problem: &Equilibrated<'_>, candidate: Candidate, method: &'stati
         Status::Solved => Some(Certificate::Solution { alpha: alpha.clone(), exact: None }),
         _ => certificate,
     };
-    let message = explain(status, candidate.termination, judged.residual, tol);
+    let message = explain(|i, j| problem.original.row(i)[j], status, candidate.termination, judged.residual, tol);
     Solution {
         z: judged.z,
         w: judged.w,
@@ -52,6 +54,7 @@ pub fn certify(problem: &Equilibrated<'_>, candidate: Candidate, method: &'stati
         alpha,
         certificate,
         ray: candidate.ray.map(|ray| ray_to_caller(problem, &ray)),
+        pieces: vec![],
         message,
     }
 }
@@ -132,7 +135,8 @@ pub fn certify_sparse(
         alpha,
         certificate,
         ray: None,
-        message: explain(status, candidate.termination, judged.residual, tol),
+        message: explain(|i, j| original.entry(i, j), status, candidate.termination, judged.residual, tol),
+        pieces: vec![],
     }
 }
 
@@ -188,6 +192,14 @@ fn is_farkas(problem: &Equilibrated<'_>, y: &[f64]) -> bool {
     qy < -64.0 * f64::EPSILON * magnitude && delta * 1e10 <= -qy
 }
 
+/// The proof in the caller's units, `x = D_c x'` (`D_r x'` for A'), checked on the caller's numbers: the scaling changes
+/// no sign of `x_i (A x)_i`.
+fn insufficiency(problem: &Equilibrated<'_>, found: &NotSufficient) -> Option<NotSufficient> {
+    let exponents = if found.transposed { &problem.scaling.rows } else { &problem.scaling.columns };
+    let found = NotSufficient { x: found.x.times_powers_of_two(exponents), transposed: found.transposed };
+    sufficiency::check(problem.original, &found).then_some(found)
+}
+
 /// The status of a point that neither solves the problem nor comes with a proof that nothing does.
 fn unsolved(termination: Termination) -> Status {
     match termination {
@@ -197,6 +209,8 @@ fn unsolved(termination: Termination) -> Status {
         Termination::ComplementaryBasis
         | Termination::Converged
         | Termination::Infeasible
+        | Termination::NotZ { .. }
+        | Termination::NotSufficient
         | Termination::Breakdown(_) => Status::NumericalBreakdown,
     }
 }
@@ -214,7 +228,13 @@ fn ray_to_caller(problem: &Equilibrated<'_>, ray: &Ray) -> Ray {
     }
 }
 
-fn explain(status: Status, termination: Termination, residual: f64, tol: f64) -> String {
+fn explain(
+    entry: impl Fn(usize, usize) -> f64,
+    status: Status,
+    termination: Termination,
+    residual: f64,
+    tol: f64,
+) -> String {
     match (status, termination) {
         (Status::Solved, _) => format!("solved: residual {residual:.2e} <= tol {tol:.0e}"),
         (Status::Infeasible, _) => {
@@ -231,6 +251,14 @@ fn explain(status: Status, termination: Termination, residual: f64, tol: f64) ->
         (Status::TimeLimit, Termination::Interrupted) => format!("interrupted with residual {residual:.2e}"),
         (Status::TimeLimit, _) => {
             format!("time limit reached with residual {residual:.2e} > tol {tol:.0e}; raise time_limit or tol")
+        }
+        (_, Termination::NotZ { row, column }) => {
+            format!("A is not a Z-matrix: A[{row}, {column}] = {} is positive; try method=\"auto\"", entry(row, column))
+        }
+        (_, Termination::NotSufficient) => {
+            "A is not sufficient: the certificate's x has x_i (A x)_i <= 0 for all i and \
+             < 0 for some i (A' where it is y); try method=\"auto\""
+                .to_owned()
         }
         (Status::NumericalBreakdown, Termination::Breakdown(reason)) => {
             format!("{reason} (residual {residual:.2e}, tol {tol:.0e}); try method=\"auto\" or certify=\"exact\"")

@@ -1,12 +1,15 @@
 //! One problem in, one verified solution out: equilibrate, run a method or the portfolio, certify.
 
+mod pieces;
 mod portfolio;
 mod prove;
 
 use crate::certify::{certify, certify_sparse};
 use crate::control::Control;
 use crate::error::{LcpError, Result};
-use crate::methods::{bilinear, block_pivoting, interior_point, lemke, lemke_howson, potential_reduction};
+use crate::methods::{
+    bilinear, block_pivoting, chandrasekaran, enumerate, interior_point, lemke, lemke_howson, potential_reduction,
+};
 use crate::problem::{Lcp, check_finite};
 use crate::scaling::{Equilibrated, Scaling, exponent, times_power_of_two};
 use crate::solution::{Candidate, Solution};
@@ -34,6 +37,12 @@ pub enum Method {
     BlockPivoting(block_pivoting::Settings),
     /// Homogeneous predictor-corrector; its `tol` and `z0` are those of the call.
     InteriorPoint(interior_point::Settings),
+    /// The criss-cross method for sufficient matrices, with a proof where A is not sufficient.
+    PrincipalPivoting,
+    /// Chandrasekaran's method for Z-matrices.
+    Chandrasekaran,
+    /// Every index set, for n up to [`enumerate::MAX_ORDER`].
+    Enumerate,
     /// The paper's method; its stopping rule is replaced by one that gives `residual <= tol`.
     PotentialReduction(potential_reduction::Settings),
 }
@@ -43,8 +52,18 @@ pub const DEFAULT_RESTARTS: usize = 6;
 
 impl Method {
     /// Names accepted by [`Method::from_name`].
-    pub const NAMES: &'static [&'static str] =
-        &["auto", "lemke", "lemke_howson", "block_pivoting", "bilinear", "potential_reduction", "interior_point"];
+    pub const NAMES: &'static [&'static str] = &[
+        "auto",
+        "lemke",
+        "lemke_howson",
+        "principal_pivoting",
+        "block_pivoting",
+        "chandrasekaran",
+        "enumerate",
+        "bilinear",
+        "interior_point",
+        "potential_reduction",
+    ];
 
     /// The method of that name with its default options.
     ///
@@ -58,6 +77,9 @@ impl Method {
             "bilinear" => Ok(Self::Bilinear(bilinear::Settings::default())),
             "block_pivoting" => Ok(Self::BlockPivoting(block_pivoting::Settings::default())),
             "interior_point" => Ok(Self::InteriorPoint(interior_point::Settings::default())),
+            "principal_pivoting" => Ok(Self::PrincipalPivoting),
+            "chandrasekaran" => Ok(Self::Chandrasekaran),
+            "enumerate" => Ok(Self::Enumerate),
             "potential_reduction" => Ok(Self::PotentialReduction(potential_reduction::Settings::default())),
             _ => Err(LcpError::UnknownName { name: "method", value: name.to_owned(), choices: Self::NAMES }),
         }
@@ -114,7 +136,7 @@ impl Default for Settings {
 pub fn solve(lcp: &Lcp, settings: &Settings, control: &Control<'_>) -> Result<Solution> {
     check(lcp, settings)?;
     let problem = Equilibrated::new(lcp);
-    let solution = match trivial(&problem, settings.tol).or_else(|| warm(&problem, settings)) {
+    let solution = match at_once(&problem, settings) {
         Some(solution) => solution,
         None => by_method(&problem, settings, control)?,
     };
@@ -128,7 +150,12 @@ fn by_method(problem: &Equilibrated<'_>, settings: &Settings, control: &Control<
     let lcp = problem.original;
     let scaled = &problem.lcp;
     Ok(match &settings.method {
-        Method::Auto => portfolio::auto(problem, settings, control),
+        Method::Auto => pieces::auto(problem, settings, control),
+        Method::PrincipalPivoting => portfolio::principal_pivoting(problem, settings.tol, control),
+        Method::Chandrasekaran => {
+            certify(problem, chandrasekaran::chandrasekaran(scaled, control), "chandrasekaran", settings.tol)
+        }
+        Method::Enumerate => certify(problem, enumerate::enumerate(scaled, control), "enumerate", settings.tol),
         Method::Lemke { settings: options, restarts, seed } => match &options.d {
             Some(d) => {
                 let options = lemke::Settings { d: Some(covering_vector(problem, d)) };
@@ -279,6 +306,9 @@ fn check(lcp: &Lcp, settings: &Settings) -> Result<()> {
                 None => Ok(()),
             }
         }
+        Method::Enumerate if n > enumerate::MAX_ORDER => {
+            Err(LcpError::TooLarge { name: "method=\"enumerate\"", n, limit: enumerate::MAX_ORDER })
+        }
         _ => Ok(()),
     }
 }
@@ -288,6 +318,11 @@ fn check_vector(name: &'static str, v: &[f64], n: usize) -> Result<()> {
         return Err(LcpError::WrongLength { name, expected: n, found: v.len() });
     }
     check_finite(name, v)
+}
+
+/// The answers that cost no pivot.
+fn at_once(problem: &Equilibrated<'_>, settings: &Settings) -> Option<Solution> {
+    trivial(problem, settings.tol).or_else(|| warm(problem, settings))
 }
 
 /// `q >= 0`: z = 0 solves the problem, whatever A is.

@@ -3,7 +3,7 @@
 //! find `z` with  `w = A z + q >= 0`,  `z >= 0`,  `z'w = 0`,
 //!
 //! solved, verified and, on request, proved. Imports point one way:
-//! `error, status <- problem <- linalg, residual, pivoting, exact <- methods, certify <- driver <- batch`.
+//! `error, status <- problem <- linalg, residual, pivoting, exact, presolve <- methods, certify <- driver <- batch`.
 //! [CPS92] writes `M` for our `A`; here `M` is a principal pivot transform of `A`.
 
 pub mod batch;
@@ -16,6 +16,7 @@ pub mod exact;
 pub mod linalg;
 pub mod methods;
 pub mod pivoting;
+pub mod presolve;
 pub mod problem;
 pub mod residual;
 pub mod scaling;
@@ -27,6 +28,6 @@ pub mod status;
 pub use control::Control;
 pub use error::{LcpError, Result};
 pub use problem::Lcp;
-pub use solution::{Candidate, Certificate, Ray, Solution};
+pub use solution::{Candidate, Certificate, Piece, Ray, Solution};
 pub use sparse::SparseLcp;
 pub use status::{Status, Termination};

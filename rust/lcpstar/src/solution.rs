@@ -1,6 +1,7 @@
 //! What a method hands to `certify` ([`Candidate`]) and what the caller gets ([`Solution`]).
 
 use crate::exact::dyadic::RationalVec;
+use crate::exact::sufficiency::NotSufficient;
 use crate::status::{Status, Termination};
 
 /// A secondary ray of Lemke's method: `w + t w_hat = A (z + t z_hat) + q + d (z0 + t z0_hat)` stays
@@ -36,13 +37,15 @@ pub struct Candidate {
     pub ray: Option<Ray>,
     /// A candidate Farkas vector: `y >= 0, A'y <= 0, q'y < 0`.
     pub farkas: Option<Vec<f64>>,
+    /// A proof that A is not sufficient.
+    pub not_sufficient: Option<NotSufficient>,
 }
 
 impl Candidate {
     /// A point without basis, ray or Farkas vector.
     #[must_use]
     pub fn point(z: Vec<f64>, termination: Termination, iterations: usize) -> Self {
-        Self { z, alpha: None, termination, iterations, ray: None, farkas: None }
+        Self { z, alpha: None, termination, iterations, ray: None, farkas: None, not_sufficient: None }
     }
 }
 
@@ -68,7 +71,12 @@ pub enum Certificate {
         /// Direction of `z`.
         z_hat: RationalVec,
     },
+    /// A vector that refutes the sufficiency of A, checked in exact arithmetic: no claim about the problem.
+    NotSufficient(NotSufficient),
 }
+
+/// A part of the problem that was solved on its own: its indices and the method that answered.
+pub type Piece = (Vec<usize>, &'static str);
 
 /// The verified result of one solve.
 #[derive(Clone, Debug)]
@@ -93,6 +101,9 @@ pub struct Solution {
     pub certificate: Option<Certificate>,
     /// The secondary ray, in the caller's units.
     pub ray: Option<Ray>,
+    /// The parts that were solved one by one; empty when the problem was solved whole. Indices in no part have `z_i = 0`
+    /// in every solution.
+    pub pieces: Vec<Piece>,
     /// One sentence: what happened and what to try next.
     pub message: String,
 }

@@ -56,7 +56,14 @@ impl SparseLcp {
         &self.q
     }
 
-    /// Columns and values of row `i`.
+    /// Entry (i, j), zero where nothing is stored.
+    #[must_use]
+    pub fn entry(&self, i: usize, j: usize) -> f64 {
+        let (columns, values) = self.row(i);
+        columns.iter().zip(values).filter(|(c, _)| **c == j).map(|(_, v)| v).sum()
+    }
+
+    /// Columns and values of row i.
     #[must_use]
     pub fn row(&self, i: usize) -> (&[usize], &[f64]) {
         let range = self.starts[i]..self.starts[i + 1];

@@ -49,6 +49,15 @@ pub enum Termination {
     TimeLimit,
     /// The observer asked to stop (Ctrl-C).
     Interrupted,
+    /// The method is for Z-matrices, and this entry is positive.
+    NotZ {
+        /// Its row.
+        row: usize,
+        /// Its column.
+        column: usize,
+    },
+    /// The method holds a proof that A is not sufficient.
+    NotSufficient,
     /// It cannot go on; the reason.
     Breakdown(&'static str),
 }

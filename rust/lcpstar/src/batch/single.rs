@@ -9,6 +9,9 @@ use crate::residual::natural_residual;
 use crate::solution::{Certificate, Solution};
 use crate::status::Status;
 
+/// Up to this order the driver does not look for islands either.
+const WHOLE_UP_TO: usize = 16;
+
 /// As [`driver::solve`], with the kernel for small problems in front of the portfolio of `"auto"`.
 ///
 /// # Errors
@@ -20,7 +23,9 @@ pub fn solve(lcp: &Lcp, settings: &Settings, control: &Control<'_>) -> Result<So
         && settings.tol > 0.0
         && settings.tol < 1.0
         && control.max_iterations.is_none();
-    let answer = if plain { solve_one(lcp.n(), lcp.a(), lcp.q(), settings.tol) } else { None };
+    // Above that order a zero may mean islands, which the driver solves apart.
+    let whole = lcp.n() <= WHOLE_UP_TO || lcp.a().iter().all(|&a| a != 0.0);
+    let answer = if plain && whole { solve_one(lcp.n(), lcp.a(), lcp.q(), settings.tol) } else { None };
     match answer {
         Some(answer) => Ok(solved(&answer)),
         None => driver::solve(lcp, settings, control),
@@ -42,6 +47,7 @@ fn solved(answer: &TinySolution) -> Solution {
         certificate: Some(Certificate::Solution { alpha: alpha.clone(), exact: None }),
         alpha,
         ray: None,
+        pieces: vec![],
         message: "solved: verified on the caller's numbers".into(),
     }
 }

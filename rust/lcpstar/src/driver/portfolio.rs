@@ -7,7 +7,9 @@ use super::{Settings, support};
 use crate::certify::certify;
 use crate::control::Control;
 use crate::linalg::dd::Dd;
-use crate::methods::{bilinear, block_pivoting, feasibility, lemke, lemke_howson};
+use crate::methods::{
+    bilinear, block_pivoting, chandrasekaran, feasibility, lemke, lemke_howson, principal_pivoting as criss_cross,
+};
 use crate::problem::Lcp;
 use crate::scaling::Equilibrated;
 use crate::solution::{Candidate, Solution};
@@ -63,6 +65,7 @@ impl<'a> Race<'a> {
 /// Which of two unsolved results to report: a limit that was hit says most, then a ray, then a breakdown; then the residual.
 fn rank(solution: &Solution) -> (u8, f64) {
     let class = match solution.status {
+        Status::NumericalBreakdown if solution.certificate.is_some() => 0,
         Status::Solved | Status::Infeasible => 0,
         Status::TimeLimit | Status::MaxIterations => 1,
         Status::SecondaryRay => 2,
@@ -84,11 +87,28 @@ pub(super) fn lemke(
     race.finish()
 }
 
-/// See the module. Members: block pivoting (P-like), Lemke-Howson (bimatrix), Lemke and its restarts.
+/// Criss-cross in doubles, then in double-doubles where rounding hid a proof.
+pub(super) fn principal_pivoting(problem: &Equilibrated<'_>, tol: f64, control: &Control<'_>) -> Solution {
+    let mut race = Race::new(problem, tol, control);
+    let lcp = &problem.lcp;
+    race.run("principal_pivoting", |control| criss_cross::principal_pivoting::<f64>(lcp, control));
+    let unclear = |best: &Solution| best.status == Status::NumericalBreakdown && best.certificate.is_none();
+    if race.best.as_ref().is_some_and(unclear) {
+        race.run("principal_pivoting_double_double", |control| criss_cross::principal_pivoting::<Dd>(lcp, control));
+    }
+    race.finish()
+}
+
+/// See the module. Members: Chandrasekaran (Z), block pivoting (P-like), Lemke-Howson (bimatrix), Lemke and its restarts.
 pub(super) fn auto(problem: &Equilibrated<'_>, settings: &Settings, control: &Control<'_>) -> Solution {
     let mut race = Race::new(problem, settings.tol, control);
     let lcp = &problem.lcp;
     let n = lcp.n();
+    if chandrasekaran::positive_off_diagonal(lcp).is_none()
+        && race.run("chandrasekaran", |control| chandrasekaran::chandrasekaran(lcp, control))
+    {
+        return race.finish();
+    }
     let positive_diagonal = (0..n).all(|i| lcp.row(i)[i] > 0.0);
     if n >= BLOCK_PIVOTING_FROM && positive_diagonal {
         let options = block_pivoting::Settings {

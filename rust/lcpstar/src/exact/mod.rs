@@ -11,3 +11,4 @@ pub mod padic;
 pub mod proof;
 pub mod reconstruct;
 pub mod repair;
+pub mod sufficiency;

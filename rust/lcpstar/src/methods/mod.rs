@@ -3,9 +3,11 @@
 
 pub mod bilinear;
 pub mod block_pivoting;
+pub mod chandrasekaran;
 pub mod enumerate;
 pub mod feasibility;
 pub mod interior_point;
 pub mod lemke;
 pub mod lemke_howson;
 pub mod potential_reduction;
+pub mod principal_pivoting;

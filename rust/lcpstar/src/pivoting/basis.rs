@@ -28,6 +28,25 @@ pub fn basic_point(lcp: &Lcp, alpha: &[usize]) -> Option<Vec<f64>> {
     Some(z)
 }
 
+/// The multipliers `y` with `y'w = ` the row of pair `k` in the dictionary of the basis `alpha`: where that row is
+/// nonpositive with a negative value, a Farkas vector. O(|alpha|^3). `None` when the block is singular.
+#[must_use]
+pub fn row_multiplier(lcp: &Lcp, alpha: &[usize], k: usize) -> Option<Vec<f64>> {
+    let transposed: Vec<f64> = alpha.iter().flat_map(|&j| alpha.iter().map(move |&i| lcp.row(i)[j])).collect();
+    let basic_w = !alpha.contains(&k);
+    let unit = |i: usize| if i == k { -1.0 } else { 0.0 };
+    let rhs: Vec<f64> = alpha.iter().map(|&i| if basic_w { -lcp.row(k)[i] } else { unit(i) }).collect();
+    let part = DenseLu::new(alpha.len(), &transposed)?.solve_refined(&rhs, &transposed);
+    let mut y = vec![0.0; lcp.n()];
+    if basic_w {
+        y[k] = 1.0;
+    }
+    for (&i, x) in alpha.iter().zip(part) {
+        y[i] = x;
+    }
+    Some(y)
+}
+
 /// `z` with `z_alpha` the least-squares solution of `A[tight, alpha] z_alpha = -q_tight`, zero elsewhere: the point of a
 /// degenerate solution whose block `A[alpha, alpha]` is singular, fixed by further rows with `w_i = 0`.
 /// O(|tight| |alpha|^2). `None` when there are fewer rows than unknowns.

@@ -1,0 +1,121 @@
+//! `auto`: the portfolio on each part of the problem that can be solved on its own, the answer certified on the whole.
+
+use super::{Settings, at_once, portfolio};
+use crate::certify::certify;
+use crate::control::Control;
+use crate::linalg::kernels::dot_compensated;
+use crate::presolve::{self, Part, Plan};
+use crate::scaling::Equilibrated;
+use crate::solution::{Candidate, Certificate, Piece, Solution};
+use crate::status::{Status, Termination};
+
+/// The portfolio, in parts where presolve finds some.
+///
+/// Each part is treated as `solve` would treat it alone, on the caller's numbers, so islands get the same digits whatever
+/// stands beside them. A part without an answer sends the whole problem to the portfolio, unless a limit was hit.
+pub(super) fn auto(problem: &Equilibrated<'_>, settings: &Settings, control: &Control<'_>) -> Solution {
+    let Some(plan) = presolve::plan(problem.original) else { return portfolio::auto(problem, settings, control) };
+    let mut assembly = Assembly::new(problem, settings);
+    let termination = assembly.solve(&plan, control);
+    let spent = assembly.iterations;
+    match termination {
+        Some(termination) => {
+            let solution = assembly.finish(termination);
+            if solution.status != Status::NumericalBreakdown {
+                return solution;
+            }
+        }
+        None => {}
+    }
+    let left = control.max_iterations.map(|limit| limit.saturating_sub(spent));
+    let mut solution = portfolio::auto(problem, settings, &control.with_max_iterations(left));
+    solution.iterations += spent;
+    solution
+}
+
+/// The answers of the parts solved so far.
+struct Assembly<'a> {
+    problem: &'a Equilibrated<'a>,
+    settings: &'a Settings,
+    z: Vec<f64>,
+    alpha: Vec<usize>,
+    farkas: Option<Vec<f64>>,
+    pieces: Vec<Piece>,
+    iterations: usize,
+}
+
+impl<'a> Assembly<'a> {
+    fn new(problem: &'a Equilibrated<'a>, settings: &'a Settings) -> Self {
+        let z = vec![0.0; problem.lcp.n()];
+        Self { problem, settings, z, alpha: vec![], farkas: None, pieces: vec![], iterations: 0 }
+    }
+
+    /// How the parts ended: all solved, one infeasible or a limit hit; `None` when a part has no answer.
+    fn solve(&mut self, plan: &Plan, control: &Control<'_>) -> Option<Termination> {
+        for part in &plan.parts {
+            let left = control.max_iterations.map(|limit| limit.saturating_sub(self.iterations));
+            let solution = self.part(part, &control.with_max_iterations(left));
+            self.iterations += solution.iterations;
+            self.pieces.push((part.indices.clone(), solution.method));
+            for (&i, z) in part.indices.iter().zip(&solution.z) {
+                self.z[i] = *z;
+            }
+            match solution.status {
+                Status::Solved => self.alpha.extend(solution.alpha.iter().map(|&i| part.indices[i])),
+                Status::Infeasible => {
+                    self.set_farkas(part, solution.certificate);
+                    return Some(Termination::Infeasible);
+                }
+                Status::TimeLimit => return Some(control.expired().unwrap_or(Termination::TimeLimit)),
+                Status::MaxIterations if control.max_iterations.is_some() => return Some(Termination::IterationLimit),
+                Status::MaxIterations | Status::SecondaryRay | Status::NumericalBreakdown => return None,
+            }
+        }
+        self.alpha.sort_unstable();
+        Some(Termination::ComplementaryBasis)
+    }
+
+    /// One part on the caller's numbers, as a problem of its own.
+    fn part(&self, part: &Part, control: &Control<'_>) -> Solution {
+        let original = self.problem.original;
+        let q = |i: usize| {
+            if part.follows { dot_compensated(original.q()[i], original.row(i), &self.z).0 } else { original.q()[i] }
+        };
+        let lcp = presolve::subproblem(original, &part.indices, part.indices.iter().map(|&i| q(i)).collect());
+        let problem = Equilibrated::new(&lcp);
+        let z0 = self.settings.z0.as_ref().map(|z0| part.indices.iter().map(|&i| z0[i]).collect());
+        let settings = Settings { z0, ..self.settings.clone() };
+        at_once(&problem, &settings).unwrap_or_else(|| portfolio::auto(&problem, &settings, control))
+    }
+
+    /// The part's Farkas vector in the units of the equilibrated whole; `certify` decides whether it is one of the whole.
+    fn set_farkas(&mut self, part: &Part, certificate: Option<Certificate>) {
+        if let Some(Certificate::Infeasible { y, .. }) = certificate {
+            let mut whole = vec![0.0; self.z.len()];
+            for (&i, y) in part.indices.iter().zip(y) {
+                whole[i] = crate::scaling::times_power_of_two(y, -self.problem.scaling.rows[i]);
+            }
+            self.farkas = Some(whole);
+        }
+    }
+
+    fn finish(self, termination: Termination) -> Solution {
+        let z = self.problem.scaling.z_from_caller(&self.z);
+        let alpha = (termination == Termination::ComplementaryBasis).then_some(self.alpha);
+        let point = Candidate::point(z, termination, self.iterations);
+        let candidate = Candidate { alpha, farkas: self.farkas, ..point };
+        let mut solution = certify(self.problem, candidate, name(&self.pieces), self.settings.tol);
+        solution.pieces = self.pieces;
+        solution
+    }
+}
+
+/// The method that answered every part, but for those with `q >= 0`; `"pieces"` when there are several.
+fn name(pieces: &[Piece]) -> &'static str {
+    let mut methods = pieces.iter().map(|(_, method)| *method).filter(|method| *method != "trivial");
+    match methods.next() {
+        None => "trivial",
+        Some(first) if methods.all(|method| method == first) => first,
+        Some(_) => "pieces",
+    }
+}

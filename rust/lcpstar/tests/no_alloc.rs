@@ -1,0 +1,59 @@
+//! The pivot loop of Lemke's method does not allocate: more pivots, the same number of allocations.
+
+use lcpstar::methods::lemke::{Settings, lemke};
+use lcpstar::{Control, Lcp, Termination};
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+struct Counting;
+
+static ALLOCATIONS: AtomicUsize = AtomicUsize::new(0);
+
+// Counting allocations needs the allocator itself, whose trait is unsafe; every call is passed on unchanged.
+#[allow(unsafe_code)]
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        ALLOCATIONS.fetch_add(1, Ordering::Relaxed);
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
+        ALLOCATIONS.fetch_add(1, Ordering::Relaxed);
+        unsafe { System.realloc(pointer, layout, size) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        unsafe { System.dealloc(pointer, layout) }
+    }
+}
+
+#[global_allocator]
+static COUNTING: Counting = Counting;
+
+/// Murty's matrix: 2^n - 1 pivots with d = e. [Mur78]
+fn murty(n: usize) -> Lcp {
+    let entry = |i: usize, j: usize| if i == j { 1.0 } else { 2.0 * f64::from(u8::from(j < i)) };
+    let a = (0..n * n).map(|k| entry(k / n, k % n)).collect();
+    let q = (1..=n).map(|i| -(0..i).map(|k| 2f64.powi((n - k) as i32)).sum::<f64>()).collect();
+    Lcp::new(n, a, q).expect("valid")
+}
+
+/// Pivots and allocations of one run that stops after `limit` pivots.
+fn run(lcp: &Lcp, limit: usize) -> (usize, usize) {
+    let control = Control { max_iterations: Some(limit), ..Control::default() };
+    let before = ALLOCATIONS.load(Ordering::Relaxed);
+    let found = lemke::<f64>(lcp, &Settings::default(), &control);
+    let allocations = ALLOCATIONS.load(Ordering::Relaxed) - before;
+    assert_eq!(found.termination, Termination::IterationLimit);
+    (found.iterations, allocations)
+}
+
+#[test]
+fn pivots_scale_and_allocations_do_not() {
+    let lcp = murty(16);
+    run(&lcp, 1);
+    let (few, many) = (run(&lcp, 10), run(&lcp, 10_000));
+    assert_eq!((few.0, many.0), (10, 10_000));
+    assert!(few.1 > 0, "the counter counts");
+    assert!(many.1 <= few.1 + 4, "{} allocations for 10 pivots, {} for 10 000", few.1, many.1);
+}
