@@ -18,14 +18,11 @@ pub(super) fn auto(problem: &Equilibrated<'_>, settings: &Settings, control: &Co
     let mut assembly = Assembly::new(problem, settings);
     let termination = assembly.solve(&plan, control);
     let spent = assembly.iterations;
-    match termination {
-        Some(termination) => {
-            let solution = assembly.finish(termination);
-            if solution.status != Status::NumericalBreakdown {
-                return solution;
-            }
+    if let Some(termination) = termination {
+        let solution = assembly.finish(termination);
+        if solution.status != Status::NumericalBreakdown {
+            return solution;
         }
-        None => {}
     }
     let left = control.max_iterations.map(|limit| limit.saturating_sub(spent));
     let mut solution = portfolio::auto(problem, settings, &control.with_max_iterations(left));
