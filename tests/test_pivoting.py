@@ -30,7 +30,8 @@ def check(A, q, solution):
         assert_solves(A, q, solution)
     elif solution.status == "infeasible":
         assert_farkas(A, q, solution.certificate.y)
-    assert lcpstar.verify(A, q, solution)
+    if solution.status != "secondary_ray":  # no claim about the problem
+        assert lcpstar.verify(A, q, solution)
     return solution.status
 
 
@@ -116,18 +117,21 @@ def test_islands_get_the_digits_they_get_alone():
 
 def test_a_triangular_problem_is_solved_block_by_block():
     rng = np.random.default_rng(3)
-    A = np.triu(rng.standard_normal((6, 6)), 1) + np.diag([1.0, 2.0, 1.0, 3.0, 1.0, 1.0])
-    solution = lcpstar.solve(A, -np.ones(6))
-    assert_solves(A, -np.ones(6), solution)
-    assert [indices for indices, _ in solution.pieces] == [[5], [4], [3], [2], [1], [0]]
+    n = 20
+    A = np.triu(rng.standard_normal((n, n)), 1) / n + np.diag(1 + rng.random(n))
+    solution = lcpstar.solve(A, -np.ones(n))
+    assert_solves(A, -np.ones(n), solution)
+    assert [indices for indices, _ in solution.pieces] == [[i] for i in reversed(range(n))]
 
 
-def test_a_pair_that_cannot_be_positive_is_dropped():
-    A, q = np.array([[2.0, -1.0, 1.0], [1.0, 2.0, -1.0], [1.0, 1.0, 1.0]]), np.array([-1.0, -1.0, 1.0])
+def test_pairs_that_cannot_be_positive_are_dropped():
+    A, q = random_pd(40, 0)
+    A[34:] = np.abs(A[34:])
+    q[34:] = 1.0
     solution = lcpstar.solve(A, q)
     assert_solves(A, q, solution)
-    assert [indices for indices, _ in solution.pieces] == [[0, 1]]
-    assert solution.z[2] == 0
+    assert max(max(indices) for indices, _ in solution.pieces) < 34
+    assert not solution.z[34:].any()
 
 
 def test_a_problem_of_one_part_has_no_pieces():
@@ -136,9 +140,11 @@ def test_a_problem_of_one_part_has_no_pieces():
 
 
 def test_an_infeasible_island_proves_the_whole_infeasible():
-    A, q = np.diag([1.0, -1.0, 2.0]), np.array([-1.0, -1.0, -1.0])
+    A, q = random_pd(20, 0)
+    A[10, :], A[:, 10], A[10, 10], q[10] = 0.0, 0.0, -1.0, -1.0
     solution = lcpstar.solve(A, q)
     assert check(A, q, solution) == "infeasible"
+    assert solution.pieces
 
 
 def test_obstacle_in_at_most_n_pivots():
@@ -150,20 +156,20 @@ def test_obstacle_in_at_most_n_pivots():
 
 #: Pivots of auto, lemke and principal_pivoting: a change is explained in the commit.
 GOLDEN = {
-    ("murty", 4): (1, 2, 1),
-    ("murty", 20): (1, 2, 1),
-    ("murty", 40): (1, 2, 1),
-    ("fathi", 4): (4, 4, 1),
-    ("fathi", 20): (4, 4, 1),
+    ("murty", 4): (10, 2, 1),
+    ("murty", 20): (2, 2, 1),
+    ("murty", 40): (2, 2, 1),
+    ("fathi", 4): (6, 4, 1),
+    ("fathi", 20): (18, 4, 1),
     ("fathi", 60): (29, 4, 1),
-    ("csizmadia", 4): (4, 5, 4),
-    ("csizmadia", 32): (32, 33, 32),
-    ("csizmadia", 60): (60, 144, 97),
+    ("csizmadia", 4): (5, 5, 4),
+    ("csizmadia", 32): (64, 33, 32),
+    ("csizmadia", 60): (120, 144, 97),
     ("morris", 5): (6, 6, 13),
-    ("morris", 15): (16, 16, 113),
+    ("morris", 15): (26, 16, 113),
     ("morris", 31): (1, 32, 481),
-    ("box_stack", 1): (4, 4, 3),
-    ("box_stack", 3): (10, 10, 9),
+    ("box_stack", 1): (3, 4, 3),
+    ("box_stack", 3): (7, 10, 9),
     ("box_stack", 10): (21, 31, 30),
     ("degenerate", 4): (2, 2, 1),
     ("degenerate", 16): (4, 4, 3),

@@ -115,6 +115,20 @@ def test_powers_of_two_change_nothing(n, seed):
     np.testing.assert_allclose(scaled.z * columns, plain.z, rtol=1e-9, atol=0)
 
 
+@pytest.mark.parametrize("method", ["auto", "batch"])
+def test_a_tiny_unit_of_z_hides_no_violation(method):
+    """z in units of 2^-122 beside w in units of 1: min(z, w) is small whatever w is."""
+    A, q = random_pd(3, 198)
+    rows, columns = 2.0 ** np.array([-60.0, 179, 245]), 2.0 ** np.array([192.0, 122, -248])
+    B, p = rows[:, None] * A * columns, rows * q
+    alpha = lcpstar.solve(A, q).alpha
+    if method == "auto":
+        assert lcpstar.solve(B, p).alpha == alpha
+    else:
+        z = lcpstar.solve_batch(np.stack([B] * 9), np.stack([p] * 9)).z
+        np.testing.assert_allclose(z * columns, np.stack([lcpstar.solve(A, q).z] * 9), rtol=1e-12)
+
+
 @pytest.mark.parametrize("scale", [1e-300, 1e300])
 def test_q_at_the_ends_of_the_range(scale):
     A, q = random_pd(6, 0)

@@ -1,7 +1,6 @@
 //! `solve` and `ppt`.
 
-use lcpstar::batch::single;
-use lcpstar::driver::{Certify, Method, Settings};
+use lcpstar::driver::{self, Certify, Method, Settings};
 use lcpstar::methods::{bilinear, block_pivoting, lemke, lemke_howson};
 use lcpstar::{Control, Lcp, LcpError};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
@@ -98,7 +97,7 @@ pub fn solve(
         deadline: deadline(py, start, time_limit)?,
         interrupted: Some(&|| signals.interrupted()),
     };
-    let solution = enter_core(py, || single::solve(&lcp, &settings, &control))?;
+    let solution = enter_core(py, || driver::solve(&lcp, &settings, &control))?;
     signals.raise()?;
     Ok(PySolution::new(solution, start.elapsed().as_secs_f64()))
 }

@@ -3,6 +3,7 @@
 mod pieces;
 mod portfolio;
 mod prove;
+mod small;
 
 use crate::certify::{certify, certify_sparse};
 use crate::control::Control;
@@ -134,6 +135,9 @@ impl Default for Settings {
 /// # Errors
 /// Only for a broken promise of the caller: a wrong length, a number that is not finite, an option out of range.
 pub fn solve(lcp: &Lcp, settings: &Settings, control: &Control<'_>) -> Result<Solution> {
+    if let Some(solution) = small::solve(lcp, settings, control) {
+        return Ok(solution);
+    }
     check(lcp, settings)?;
     let problem = Equilibrated::new(lcp);
     let solution = match at_once(&problem, settings) {

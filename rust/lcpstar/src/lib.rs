@@ -20,6 +20,7 @@ pub mod presolve;
 pub mod problem;
 pub mod residual;
 pub mod scaling;
+pub mod small;
 pub mod solution;
 pub mod solutions;
 pub mod sparse;

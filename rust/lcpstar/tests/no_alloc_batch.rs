@@ -1,7 +1,8 @@
 //! A batch allocates per thread, never per problem.
 
-use lcpstar::batch::{Alpha, Guess, Output, Problems, Settings, Source, solve_batch, tiny};
+use lcpstar::batch::{Alpha, Guess, Output, Problems, Settings, Source, solve_batch};
 use lcpstar::driver::Method;
+use lcpstar::small;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -90,7 +91,7 @@ fn allocations_do_not_grow_with_the_batch() {
         }
     }
     let (a, q) = problems(12, 12, 0.5, 100);
-    let one = |k: usize| tiny::solve_one(12, &a[k * 144..(k + 1) * 144], &q[k * 12..(k + 1) * 12], 1e-9);
+    let one = |k: usize| small::solve_one(12, &a[k * 144..(k + 1) * 144], &q[k * 12..(k + 1) * 12], 1e-9);
     assert!(one(0).is_some());
     let before = ALLOCATIONS.load(Ordering::Relaxed);
     let solved = (0..100).filter(|&k| one(k).is_some()).count();

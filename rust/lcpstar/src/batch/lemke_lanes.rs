@@ -4,9 +4,9 @@
 //! Slots are stored column by column, so that the lanes whose driving variable comes from a slot are one mask for the
 //! whole column. Lanes that have finished compute on without being looked at.
 
-use super::lane::{Lane, Mask};
-use super::lemke::{NOISE, PIVOT_TOLERANCE, TIE, spread};
 use super::newton::Tile;
+use crate::small::lane::{Lane, Mask};
+use crate::small::lemke::{NOISE, PIVOT_TOLERANCE, TIE, spread};
 
 /// z_0 in a row.
 const ARTIFICIAL: u8 = u8::MAX;
@@ -119,7 +119,7 @@ impl<X: Lane<Number = f64>> Pivots<X> {
     }
 
     /// The driving variables and the basic ones of `rows` change places; see
-    /// [`Tableau::exchange`](super::lemke::Tableau). `pair` names the slot that drives next, -1 for none.
+    /// [`Tableau::exchange`](crate::small::lemke::Tableau). `pair` names the slot that drives next, -1 for none.
     #[inline(always)]
     fn exchange<const N: usize>(&mut self, n: usize, rows: &[usize; 16], pair: X) {
         let n = if N == 0 { n } else { N };

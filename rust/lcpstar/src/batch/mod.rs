@@ -4,17 +4,10 @@
 //! A problem's bits depend on its own numbers only: not on its neighbours, the order, the split of the batch or the
 //! number of threads.
 
-#[cfg(target_arch = "x86_64")]
-mod avx;
 mod io;
-mod lane;
-mod lemke;
 mod lemke_lanes;
 mod newton;
 mod schedule;
-pub mod single;
-pub mod tiny;
-mod verify;
 mod work;
 
 pub use io::{Alpha, Guess, Output, Problems, Settings, Source};

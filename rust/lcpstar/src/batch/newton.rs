@@ -6,7 +6,7 @@
 //! A pivot that rounding made smaller than `FLOOR` times its diagonal entry is raised to that, which regularises
 //! singular blocks; the error it leaves is removed by refinement, and `verify` has the last word.
 
-use super::lane::{Lane, Mask};
+use crate::small::lane::{Lane, Mask};
 
 /// Smallest pivot, relative to the diagonal entry it started from.
 const FLOOR: f64 = 1e-9;

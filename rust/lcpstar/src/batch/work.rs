@@ -1,19 +1,19 @@
 //! One worker: takes chunks of problems until none is left.
 
-#[cfg(target_arch = "x86_64")]
-use super::avx::{Ymm2, Zmm};
 use super::io::{Guess, Output, Problems, Settings};
-use super::lane::{F64x8, Lane, Mask};
-use super::lemke::{PIVOTS_PER_ROW, Tableau};
 use super::lemke_lanes::Pivots;
 use super::newton::{Tile, multiply, newton, refine};
-use super::verify::{Verdict, verify};
 use crate::certify::certify;
 use crate::control::Control;
 use crate::driver;
 use crate::error::{LcpError, Result};
 use crate::problem::Lcp;
 use crate::scaling::Equilibrated;
+#[cfg(target_arch = "x86_64")]
+use crate::small::avx::{Ymm2, Zmm};
+use crate::small::lane::{F64x8, Lane, Mask};
+use crate::small::lemke::{PIVOTS_PER_ROW, Tableau};
+use crate::small::verify::{Verdict, verify};
 use crate::solution::{Candidate, Solution};
 use crate::status::{Status, Termination};
 use multiversion::multiversion;

@@ -1,6 +1,6 @@
 //! `auto`: the portfolio on each part of the problem that can be solved on its own, the answer certified on the whole.
 
-use super::{Settings, at_once, portfolio};
+use super::{Settings, at_once, portfolio, small};
 use crate::certify::certify;
 use crate::control::Control;
 use crate::linalg::kernels::dot_compensated;
@@ -18,14 +18,11 @@ pub(super) fn auto(problem: &Equilibrated<'_>, settings: &Settings, control: &Co
     let mut assembly = Assembly::new(problem, settings);
     let termination = assembly.solve(&plan, control);
     let spent = assembly.iterations;
-    match termination {
-        Some(termination) => {
-            let solution = assembly.finish(termination);
-            if solution.status != Status::NumericalBreakdown {
-                return solution;
-            }
+    if let Some(termination) = termination {
+        let solution = assembly.finish(termination);
+        if solution.status != Status::NumericalBreakdown {
+            return solution;
         }
-        None => {}
     }
     let left = control.max_iterations.map(|limit| limit.saturating_sub(spent));
     let mut solution = portfolio::auto(problem, settings, &control.with_max_iterations(left));
@@ -82,9 +79,12 @@ impl<'a> Assembly<'a> {
             if part.follows { dot_compensated(original.q()[i], original.row(i), &self.z).0 } else { original.q()[i] }
         };
         let lcp = presolve::subproblem(original, &part.indices, part.indices.iter().map(|&i| q(i)).collect());
-        let problem = Equilibrated::new(&lcp);
         let z0 = self.settings.z0.as_ref().map(|z0| part.indices.iter().map(|&i| z0[i]).collect());
         let settings = Settings { z0, ..self.settings.clone() };
+        if let Some(solution) = small::solve(&lcp, &settings, control) {
+            return solution;
+        }
+        let problem = Equilibrated::new(&lcp);
         at_once(&problem, &settings).unwrap_or_else(|| portfolio::auto(&problem, &settings, control))
     }
 

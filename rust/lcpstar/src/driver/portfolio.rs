@@ -8,7 +8,8 @@ use crate::certify::certify;
 use crate::control::Control;
 use crate::linalg::dd::Dd;
 use crate::methods::{
-    bilinear, block_pivoting, chandrasekaran, feasibility, lemke, lemke_howson, principal_pivoting as criss_cross,
+    bilinear, block_pivoting, chandrasekaran, enumerate, feasibility, lemke, lemke_howson,
+    principal_pivoting as criss_cross,
 };
 use crate::problem::Lcp;
 use crate::scaling::Equilibrated;
@@ -135,9 +136,14 @@ pub(super) fn auto(problem: &Equilibrated<'_>, settings: &Settings, control: &Co
         return race.finish();
     }
     let options = bilinear::Settings::default();
-    race.run("bilinear", |control| bilinear::bilinear(lcp, &options, control));
+    if !race.run("bilinear", |control| bilinear::bilinear(lcp, &options, control)) && n <= ENUMERATE_UP_TO {
+        race.run("enumerate", |control| enumerate::enumerate(lcp, control));
+    }
     race.finish()
 }
+
+/// Largest order at which all index sets are tried when everything else has failed.
+const ENUMERATE_UP_TO: usize = 12;
 
 /// Factorisations granted to block pivoting before the portfolio moves on.
 const BLOCK_PIVOTING_BUDGET: usize = 25;

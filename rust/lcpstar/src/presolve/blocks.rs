@@ -17,7 +17,7 @@ pub fn first_reaches_all(lcp: &Lcp) -> bool {
 /// solution is then unique whatever its q is, and the blocks after it lose no solution.
 pub fn parts(lcp: &Lcp, kept: &[usize]) -> Vec<Part> {
     let blocks = strong_components(lcp, kept);
-    let island = islands(lcp, &blocks);
+    let island = islands_of(lcp, &blocks);
     let mut parts = Vec::with_capacity(blocks.len());
     for first in 0..blocks.len() {
         if island[first] != first {
@@ -41,8 +41,18 @@ fn depends(lcp: &Lcp, later: &[usize], earlier: &[usize]) -> bool {
     later.iter().any(|&i| earlier.iter().any(|&j| lcp.row(i)[j] != 0.0))
 }
 
+/// The connected components of the pattern of A + A', each sorted, by least index.
+pub fn islands(lcp: &Lcp) -> Vec<Vec<usize>> {
+    let single: Vec<Vec<usize>> = (0..lcp.n()).map(|i| vec![i]).collect();
+    let first = islands_of(lcp, &single);
+    let mut islands = vec![vec![]; lcp.n()];
+    (0..lcp.n()).for_each(|i| islands[first[i]].push(i));
+    islands.retain(|island| !island.is_empty());
+    islands
+}
+
 /// For each block the least block of its island: union-find with the least index as root.
-fn islands(lcp: &Lcp, blocks: &[Vec<usize>]) -> Vec<usize> {
+fn islands_of(lcp: &Lcp, blocks: &[Vec<usize>]) -> Vec<usize> {
     let mut block_of = vec![usize::MAX; lcp.n()];
     for (b, block) in blocks.iter().enumerate() {
         block.iter().for_each(|&i| block_of[i] = b);

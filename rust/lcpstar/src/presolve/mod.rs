@@ -24,19 +24,34 @@ pub struct Part {
     pub follows: bool,
 }
 
-/// How to solve LCP(q, A) in parts; `None` when it is one part with all indices.
+/// Islands up to this order are left whole: a few pivots cost less than taking them apart.
+const SMALL: usize = 16;
+
+/// How to solve LCP(q, A) in parts; `None` when it is one part with all indices, or of order up to 16.
 ///
-/// Costs O(n) when no row can be dropped and the first row and column of A have no zero, O(n^2) otherwise.
+/// Costs O(n) when no row can be dropped and the first row and column of A have no zero, O(n^2) otherwise. What is done
+/// to an island depends on its own rows alone.
 #[must_use]
 pub fn plan(lcp: &Lcp) -> Option<Plan> {
     let n = lcp.n();
-    let kept = zeros::kept(lcp);
-    if kept.is_none() && (n < 2 || blocks::first_reaches_all(lcp)) {
+    if n <= SMALL {
         return None;
     }
-    let kept = kept.unwrap_or_else(|| (0..n).collect());
-    let parts = blocks::parts(lcp, &kept);
-    (parts.len() > 1 || kept.len() < n).then_some(Plan { parts })
+    let is_kept = zeros::kept(lcp);
+    if is_kept.is_none() && blocks::first_reaches_all(lcp) {
+        return None;
+    }
+    let mut parts = Vec::new();
+    for island in blocks::islands(lcp) {
+        if island.len() <= SMALL {
+            parts.push(Part { indices: island, follows: false });
+        } else {
+            let kept: Vec<usize> =
+                island.into_iter().filter(|&i| is_kept.as_ref().is_none_or(|is_kept| is_kept[i])).collect();
+            parts.extend(blocks::parts(lcp, &kept));
+        }
+    }
+    (parts.len() != 1 || parts[0].indices.len() < n).then_some(Plan { parts })
 }
 
 /// The principal subproblem on `indices`.

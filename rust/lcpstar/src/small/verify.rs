@@ -2,9 +2,10 @@
 //! accepted here, [`certify`](crate::certify) accepts. What is not, is looked at again by a slower path.
 //!
 //! Let `m = |A||z| + |q|`. The computed `w_i` is off by at most `e_i = (n + 2) eps/2 m_i` [Hig02, sec. 3.1], so
-//! `|min(z_i, w_i)| <= b_i := max(e_i - w_i, min(z_i, w_i + e_i), 0)`. With the equilibrated problem's entries below 2 and
-//! `|q'| < 1`, `m'_i <= 2 n max|z'| + 1`; ratios `b_i / m_i` do not depend on the scaling, so
-//! `(2 n + 1) max_i b_i / m_i` bounds the scale-free residual without equilibrating.
+//! `|min(z_i, w_i)| <= b_i := |w_i| + e_i` where `z_i > 0` and `max(e_i - w_i, 0)` where `z_i = 0`. Never `z_i` itself, which
+//! has other units than `w_i`: with the equilibrated problem's entries below 2 and `|q'| < 1`, `m'_i <= 2 n max|z'| + 1`,
+//! and ratios `b_i / m_i` do not depend on the scaling, so `(2 n + 1) max_i b_i / m_i` bounds the scale-free residual
+//! without equilibrating.
 
 use super::lane::{Lane, Mask};
 
@@ -79,7 +80,7 @@ impl<X: Lane> Rows<X> {
         let zero = X::splat(0.0);
         let (least, most) = (X::splat(MAGNITUDES.start), X::splat(MAGNITUDES.end));
         let e = self.rounding.mul(m);
-        let b = e.sub(w).max(z.min(w.add(e))).max(zero).only(zero.lt(m));
+        let b = e.sub(w).max(w.add(e).only(zero.lt(z))).max(zero).only(zero.lt(m));
         let in_range = m.lt(most).and(least.lt(m).or(m.eq(zero)));
         let in_units = b.le(self.allowed.add_product(X::splat(7.9 * f64::EPSILON), m));
         self.solved = self.solved.and(in_range).and(in_units).and(zero.le(z));
@@ -117,7 +118,11 @@ pub fn verify_one<X: Lane<Number = f64>>(
         let zi = z[i / X::LANES].get(i % X::LANES);
         w[i] = wi;
         let e = rounding * m;
-        let b = if m > 0.0 { (e - wi).max(zi.min(wi + e)).max(0.0) } else { 0.0 };
+        let b = match (m > 0.0, zi > 0.0) {
+            (false, _) => 0.0,
+            (true, false) => (e - wi).max(0.0),
+            (true, true) => wi.abs() + e,
+        };
         let in_range = m == 0.0 || MAGNITUDES.contains(&m);
         solved &= in_range && zi >= 0.0 && b <= allowed + 7.9 * f64::EPSILON * m;
         ratio = ratio.max(b / m.max(MAGNITUDES.start));

@@ -1,9 +1,16 @@
-//! One small problem at a time, without a single allocation: the fast path of `solve`.
+//! One small problem at a time, without a single allocation: Lemke's method in a tableau of reused memory, verified by
+//! the rule of `certify`. `solve` tries it first; the batch runs it and its lanes on whole arrays of problems.
 
 #[cfg(target_arch = "x86_64")]
-use super::avx::{Ymm2, Zmm};
-use super::lane::{F64x8, Lane};
-use super::lemke::Tableau;
+pub(crate) mod avx;
+pub(crate) mod lane;
+pub(crate) mod lemke;
+pub(crate) mod verify;
+
+#[cfg(target_arch = "x86_64")]
+use avx::{Ymm2, Zmm};
+use lane::{F64x8, Lane};
+use lemke::Tableau;
 use multiversion::multiversion;
 use multiversion::target::target_cfg_f;
 use std::cell::RefCell;

@@ -1,35 +1,27 @@
-//! One problem by the fastest road: the small kernel of the batch first, the driver behind it.
+//! The kernel for small problems in front of the portfolio of `"auto"`.
 
-use super::tiny::{TinySolution, solve_one};
+use super::{Certify, Method, Settings};
 use crate::control::Control;
-use crate::driver::{self, Certify, Method, Settings};
-use crate::error::Result;
 use crate::problem::Lcp;
 use crate::residual::natural_residual;
+use crate::small::{TinySolution, solve_one};
 use crate::solution::{Certificate, Solution};
 use crate::status::Status;
 
-/// Up to this order the driver does not look for islands either.
+/// Up to this order islands stay whole.
 const WHOLE_UP_TO: usize = 16;
 
-/// As [`driver::solve`], with the kernel for small problems in front of the portfolio of `"auto"`.
-///
-/// # Errors
-/// As [`driver::solve`].
-pub fn solve(lcp: &Lcp, settings: &Settings, control: &Control<'_>) -> Result<Solution> {
+/// The kernel's verified answer, where the settings ask for nothing it cannot do. `None` says nothing about the problem.
+pub(super) fn solve(lcp: &Lcp, settings: &Settings, control: &Control<'_>) -> Option<Solution> {
     let plain = matches!(settings.method, Method::Auto)
         && settings.z0.is_none()
         && settings.certify == Certify::Float
         && settings.tol > 0.0
         && settings.tol < 1.0
         && control.max_iterations.is_none();
-    // Above that order a zero may mean islands, which the driver solves apart.
+    // Above that order a zero may mean islands, which are solved apart.
     let whole = lcp.n() <= WHOLE_UP_TO || lcp.a().iter().all(|&a| a != 0.0);
-    let answer = if plain && whole { solve_one(lcp.n(), lcp.a(), lcp.q(), settings.tol) } else { None };
-    match answer {
-        Some(answer) => Ok(solved(&answer)),
-        None => driver::solve(lcp, settings, control),
-    }
+    if plain && whole { solve_one(lcp.n(), lcp.a(), lcp.q(), settings.tol).map(|answer| solved(&answer)) } else { None }
 }
 
 /// The kernel verified its answer by the rule of [`certify`](crate::certify::certify).

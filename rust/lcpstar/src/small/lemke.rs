@@ -38,16 +38,16 @@ enum Stop {
 const REFINEMENTS: usize = 2;
 
 /// Pivots per row of the problem after which the method gives up.
-pub(super) const PIVOTS_PER_ROW: usize = 10;
+pub(crate) const PIVOTS_PER_ROW: usize = 10;
 
 /// Smallest pivot relative to the largest entry of the driving column.
-pub(super) const PIVOT_TOLERANCE: f64 = 1e-10;
+pub(crate) const PIVOT_TOLERANCE: f64 = 1e-10;
 
 /// Ratios within this factor of the least one are tied.
-pub(super) const TIE: f64 = 1.0 + 1e-11;
+pub(crate) const TIE: f64 = 1.0 + 1e-11;
 
 /// A value that cancels to less than this part of itself is rounding error, and zero.
-pub(super) const NOISE: f64 = 1e-14;
+pub(crate) const NOISE: f64 = 1e-14;
 
 /// A correction that leaves less than this part of a value shows that the value was rounding error.
 const CANCELLED: f64 = 1e-8;
@@ -361,7 +361,7 @@ impl<X: Lane<Number = f64>> Tableau<X> {
 
 /// Entry i of the covering vector: 1 plus the fractional part of `(i + 1)` times the golden ratio.
 #[inline(always)]
-pub(super) fn spread(i: usize) -> f64 {
+pub(crate) fn spread(i: usize) -> f64 {
     const GOLDEN: f64 = 0.618_033_988_749_894_9;
     1.0 + ((i + 1) as f64 * GOLDEN).fract()
 }
