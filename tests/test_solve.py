@@ -115,6 +115,15 @@ def test_powers_of_two_change_nothing(n, seed):
     np.testing.assert_allclose(scaled.z * columns, plain.z, rtol=1e-9, atol=0)
 
 
+@pytest.mark.parametrize("method", ["auto", "lemke", "bilinear", "enumerate", "interior_point"])
+def test_a_huge_z_hides_no_violation(method):
+    """No solution exists; z of 1e16 from nearly singular blocks leaves min(z, w) = 5.7 within its own rounding."""
+    A = [[0, 2, -1, 2, -1], [0, 2, 2, -2, 0], [-2, 2, 1, -2, 0], [0, 2, -1, 0, -2], [0, 0, 2, 1, -1]]
+    q = [1, -2, -3, -3, -3]
+    assert lcpstar.solutions(A, q) == []
+    assert not lcpstar.solve(A, q, method=method).success
+
+
 @pytest.mark.parametrize("method", ["auto", "batch"])
 def test_a_tiny_unit_of_z_hides_no_violation(method):
     """z in units of 2^-122 beside w in units of 1: min(z, w) is small whatever w is."""

@@ -17,11 +17,15 @@ struct Judged {
     solves: bool,
 }
 
+/// On the equilibrated problem, where `max|q'| < 1`, `max|min(z', w')|` itself must be below `max(tol, ABSOLUTE)`: both other
+/// tests allow rounding in proportion to z, and a z of 1e16 from a nearly singular block would pass them with any error.
+const ABSOLUTE: f64 = 1e-6;
+
 /// Turns what `method` found on the equilibrated problem into a verified [`Solution`] of the caller's. O(n^2).
 ///
 /// "Solved" needs both views: the scale-free residual within `tol`, and in the caller's own units
 /// `|min(z, w)|_i <= 10 tol max|q| + 8 eps (|A||z| + |q|)_i` in every row, so that neither a badly scaled
-/// row nor a badly chosen unit can hide an error.
+/// row nor a badly chosen unit can hide an error; nor can a huge z, see `ABSOLUTE`.
 #[must_use]
 pub fn certify(problem: &Equilibrated<'_>, candidate: Candidate, method: &'static str, tol: f64) -> Solution {
     let judged = judge(problem, candidate.z, tol);
@@ -94,7 +98,7 @@ fn judge_point(
         .zip(&magnitude)
         .all(|((&z, &w), &m)| z.is_finite() && z.min(w).abs() <= allowed + 8.0 * f64::EPSILON * m);
     Judged {
-        solves: residual <= tol && rows_agree,
+        solves: residual <= tol && natural_residual(&z, &w) <= tol.max(ABSOLUTE) && rows_agree,
         residual,
         natural_residual: natural_residual(&caller_z, &caller_w),
         z: caller_z,

@@ -22,6 +22,10 @@ pub struct Verdict<X: Lane> {
 /// `m_i` outside this range might hide an overflow or underflow: such rows are not for the fast path.
 const MAGNITUDES: std::ops::Range<f64> = 1e-280..1e280;
 
+/// Rounding is forgiven in proportion to `m_i` up to this multiple of `max|q|`: beyond it z is so large that rounding could
+/// hide any error, and the slower path decides.
+const LARGEST: f64 = 1e8;
+
 /// Judges `z >= 0` and `w = A z + q` as computed. O(n^2).
 #[inline(always)]
 pub fn verify<X: Lane, const N: usize>(n: usize, a: &[X], q: &[X], z: &[X], w: &[X], tol: f64) -> Verdict<X> {
@@ -34,6 +38,7 @@ pub fn verify<X: Lane, const N: usize>(n: usize, a: &[X], q: &[X], z: &[X], w: &
     let mut rows = Rows {
         rounding: X::splat(0.5 * (n as f64 + 2.0) * X::EPS * 1.01),
         allowed: largest_q.mul(X::splat(9.99 * tol)),
+        largest_m: largest_q.mul(X::splat(LARGEST)),
         solved: X::Mask::ALL,
         ratio: X::splat(0.0),
         natural: X::splat(0.0),
@@ -68,6 +73,7 @@ pub fn verify<X: Lane, const N: usize>(n: usize, a: &[X], q: &[X], z: &[X], w: &
 struct Rows<X: Lane> {
     rounding: X,
     allowed: X,
+    largest_m: X,
     solved: X::Mask,
     ratio: X,
     natural: X,
@@ -82,7 +88,7 @@ impl<X: Lane> Rows<X> {
         let e = self.rounding.mul(m);
         let b = e.sub(w).max(w.add(e).only(zero.lt(z))).max(zero).only(zero.lt(m));
         let in_range = m.lt(most).and(least.lt(m).or(m.eq(zero)));
-        let in_units = b.le(self.allowed.add_product(X::splat(7.9 * f64::EPSILON), m));
+        let in_units = b.le(self.allowed.add_product(X::splat(7.9 * f64::EPSILON), m.min(self.largest_m)));
         self.solved = self.solved.and(in_range).and(in_units).and(zero.le(z));
         self.ratio = b.div(m.max(least)).max(self.ratio);
         self.natural = b.max(self.natural);
@@ -111,7 +117,8 @@ pub fn verify_one<X: Lane<Number = f64>>(
         *sums = sum;
     }
     let rounding = 0.5 * (n as f64 + 2.0) * f64::EPSILON * 1.01;
-    let allowed = 9.99 * tol * q.iter().fold(0.0, |m: f64, x| if x.abs() > m { x.abs() } else { m });
+    let largest_q = q.iter().fold(0.0, |m: f64, x| if x.abs() > m { x.abs() } else { m });
+    let (allowed, largest_m) = (9.99 * tol * largest_q, LARGEST * largest_q);
     let (mut solved, mut ratio, mut natural) = (true, 0.0_f64, 0.0_f64);
     for i in 0..n {
         let (wi, m) = (q[i] + sums[i][0].sum(), q[i].abs() + sums[i][1].sum());
@@ -124,7 +131,7 @@ pub fn verify_one<X: Lane<Number = f64>>(
             (true, true) => wi.abs() + e,
         };
         let in_range = m == 0.0 || MAGNITUDES.contains(&m);
-        solved &= in_range && zi >= 0.0 && b <= allowed + 7.9 * f64::EPSILON * m;
+        solved &= in_range && zi >= 0.0 && b <= allowed + 7.9 * f64::EPSILON * m.min(largest_m);
         ratio = ratio.max(b / m.max(MAGNITUDES.start));
         natural = natural.max(b);
     }
