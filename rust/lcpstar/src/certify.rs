@@ -1,4 +1,5 @@
-//! The only place that may say "solved" or "infeasible": every claim is recomputed from the caller's data.
+//! Where "solved" and "infeasible" are said: every claim is recomputed from the caller's data. Beside it, `small::verify`
+//! accepts the answers of the kernels for small problems by a stricter rule, and `driver::prove` those of exact arithmetic.
 
 use crate::exact::sufficiency::{self, NotSufficient};
 use crate::linalg::kernels::max_abs;

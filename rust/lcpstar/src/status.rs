@@ -1,6 +1,7 @@
 //! How a method stopped ([`Termination`]) and what that means for the caller ([`Status`]).
 
-/// The outcome reported to the user. Only [`certify`](crate::certify) may say [`Status::Solved`].
+/// The outcome reported to the user. Two places may say [`Status::Solved`], each after its own check of the caller's numbers:
+/// [`certify`](crate::certify), and for small problems the row test of `small::verify`, which accepts no more than it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Status {
     /// `residual <= tol`, recomputed from the caller's data.
