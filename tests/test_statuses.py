@@ -28,9 +28,9 @@ METHODS = {
 #: A P-matrix: every method but two takes it.
 P = np.array([[2.0, 1.0], [1.0, 2.0]])
 Q = np.array([-5.0, -6.0])
-#: Feasible without a solution: w_1 = -z_2 + 1, w_2 = z_1 - ... (see `test_feasible_without_a_solution`).
-GAP_A = np.array([[0.0, 1.0], [0.0, 0.0]])
-GAP_Q = np.array([-1.0, 0.0])
+#: z = (0, 1) is feasible and there is no solution.
+GAP_A = np.array([[-1.0, 1.0], [-1.0, 2.0]])
+GAP_Q = np.array([-1.0, -1.0])
 
 
 def verified(A, q, solution, **options):
@@ -93,13 +93,10 @@ def test_infeasible_z_matrix():
 def test_feasible_without_a_solution():
     """FEA(q, A) is not empty and SOL(q, A) is: no method may say solved or infeasible."""
     assert (GAP_A @ [0, 1] + GAP_Q >= 0).all()
-    assert lcpstar.solutions(GAP_A, GAP_Q) != []  # z = (0, 1): w = (0, 0)
-    A, q = np.array([[-1.0, 1.0], [1.0, 0.0]]), np.array([-1.0, -1.0])
-    assert (A @ [1.0, 2.0] + q >= 0).all()
-    assert lcpstar.solutions(A, q) == []
+    assert lcpstar.solutions(GAP_A, GAP_Q) == []
     for method in sorted(METHODS - {"lemke_howson", "chandrasekaran"}):
         for certify in ("float", "exact"):
-            solution = lcpstar.solve(A, q, method=method, certify=certify)
+            solution = lcpstar.solve(GAP_A, GAP_Q, method=method, certify=certify)
             assert solution.status not in ("solved", "infeasible"), (method, solution)
             assert solution.certificate is None or solution.certificate.kind in ("ray", "not_sufficient")
 
@@ -108,7 +105,7 @@ def test_feasible_without_a_solution():
 
 
 def test_secondary_ray():
-    A, q = np.array([[-1.0, 1.0], [1.0, 0.0]]), np.array([-1.0, -1.0])
+    A, q = GAP_A, GAP_Q
     solution = lcpstar.solve(A, q, method="lemke", options=lcpstar.LemkeOptions(d=[1.0, 1.0]))
     assert solution.status == "secondary_ray"
     ray = solution.ray
@@ -201,7 +198,7 @@ def test_a_time_limit_stops_enumeration_sets_and_classes():
     rng = np.random.default_rng(0)
     with pytest.raises(lcpstar.errors.TimeLimitError, match="time_limit"):
         lcpstar.solutions(rng.standard_normal((40, 40)), rng.standard_normal(40), time_limit=0.1)
-    verdict = lcpstar.classes.check(rng.integers(-9, 10, (10, 10)), "cQ0", time_limit=0.1)
+    verdict = lcpstar.classes.check(rng.integers(-9, 10, (10, 10)), "Q0", time_limit=0.1)
     assert verdict.holds is not True
     assert time.perf_counter() - start < 5
 
@@ -231,10 +228,12 @@ def test_an_exact_path_with_ties_ends():
     ("method", "A", "q", "text"),
     [
         ("chandrasekaran", [[1, 1], [0, 1]], [-1, -1], r"A is not a Z-matrix: A\[0, 1\] = 1"),
-        ("lemke_howson", [[1, 0], [0, 1]], [-1, -1], "bimatrix"),
-        ("principal_pivoting", [[-1, 1], [1, 0]], [-1, -1], "not sufficient"),
-        ("block_pivoting", [[0, 1], [1, 0]], [-1, -1], "singular"),
-        ("enumerate", [[-1, 1], [1, 0]], [-1, -1], "no .*basis"),
+        ("lemke_howson", [[1, 0], [0, 1]], [-1, -1], r"not \[\[0, C\], \[D, 0\]\]"),
+        ("principal_pivoting", GAP_A, GAP_Q, "not sufficient"),
+        ("block_pivoting", [[0, 0], [0, 0]], [-1, -1], "not a P-matrix"),
+        ("enumerate", GAP_A, GAP_Q, "no index set"),
+        ("bilinear", [[0, 0], [0, 0]], [-1, -1], "no z >= 0"),
+        ("interior_point", GAP_A, GAP_Q, "residual"),
         ("potential_reduction", [[0, 0], [0, 0]], [-1, -1], "strictly feasible"),
     ],
 )
@@ -246,10 +245,9 @@ def test_numerical_breakdown_names_the_reason_and_the_way_out(method, A, q, text
 
 
 def test_not_sufficient_is_proved():
-    A, q = np.array([[-1.0, 1.0], [1.0, 0.0]]), np.array([-1.0, -1.0])
-    solution = lcpstar.solve(A, q, method="principal_pivoting")
+    solution = lcpstar.solve(GAP_A, GAP_Q, method="principal_pivoting")
     assert solution.certificate.kind == "not_sufficient"
-    verified(A, q, solution)
+    verified(GAP_A, GAP_Q, solution)
 
 
 # the table
