@@ -69,7 +69,8 @@ FUZZ := target/release/lcpstar-fuzz
 fuzz: ## coverage-guided fuzzing of the core for TIME=600 seconds; needs a C++ compiler
 	cd fuzz && RUSTC_WRAPPER=$(abspath fuzz/rustc.sh) cargo build --release --target-dir ../target
 	mkdir -p target/fuzz/corpus target/fuzz/findings
-	$(FUZZ) target/fuzz/corpus fuzz/corpus -fork=1 -ignore_crashes=1 -ignore_timeouts=1 -max_total_time=$(TIME) -timeout=120 \
+	tar -xzf fuzz/corpus.tar.gz -C target/fuzz/corpus
+	$(FUZZ) target/fuzz/corpus -fork=1 -ignore_crashes=1 -ignore_timeouts=1 -max_total_time=$(TIME) -timeout=120 \
 		-max_len=800 -len_control=20 -artifact_prefix=target/fuzz/findings/
 
 miri: ## the unsafe code under Miri, and under AddressSanitizer on the machine's own instructions; needs nightly
