@@ -195,6 +195,7 @@ impl Plan {
     ) {
         let case = Case::new(problem);
         // Exact Farkas vectors first: they decide solvability for the others.
+        let mut infeasible = None;
         let (no, rest): (Vec<_>, Vec<_>) = answers.into_iter().partition(|(way, outcome)| {
             matches!(outcome, Outcome::Answer(a) if a.status == Status::Infeasible) && !is_batch(*way)
         });
@@ -212,10 +213,13 @@ impl Plan {
                 }
                 Outcome::Answer(answer) => {
                     let score = if is_batch(way) && answer.status == Status::Infeasible {
-                        infeasible_in_batch(&case)
+                        infeasible_in_batch(&case, &infeasible)
                     } else {
                         case.score(&answer, tol)
                     };
+                    if answer.status == Status::Infeasible && way == AUTO {
+                        infeasible = Some(score.clone());
+                    }
                     if self.print {
                         eprintln!("{}: {} {score:?} z = {:?}", ways()[way], answer.status.as_str(), answer.z);
                     }
@@ -240,8 +244,11 @@ fn is_batch(way: usize) -> bool {
     way == BATCH || way == BATCH_GUESS
 }
 
-/// A batch hands over no certificate: its "infeasible" is believed where it is known to be true.
-fn infeasible_in_batch(case: &Case<'_>) -> Score {
+/// A batch hands over no certificate: its "infeasible" is scored as that of `auto`, or else by what is known to be true.
+fn infeasible_in_batch(case: &Case<'_>, alone: &Option<Score>) -> Score {
+    if let Some(score) = alone {
+        return score.clone();
+    }
     if case.refuted.get().is_some() {
         return Score::Right;
     }
