@@ -216,12 +216,23 @@ class System:
         return _Projector(rows, self.masses, self.joint_target[picked])
 
     def rounding(self, solved: Sequence[tuple[Island, Vector]]) -> Matrix:
-        """Bounds (n, D) of the rounding errors in `velocity`: `32 eps (|u_f| + M^-1 |J|' |p|)`."""
+        """Bounds (n, D) of the rounding errors in `velocity`.
+
+        The largest `32 eps (|u_f| + M^-1 |J|' |p|)` of the island, speeds and spins apart: contacts tie heavy bodies to
+        light ones, whose errors are larger.
+        """
         c, t = self.impulses(solved)
         n = len(self.scene)
         push = Rows(self.normals.bodies, np.abs(self.normals.J)).transposed_times(np.abs(c), n)
         push += Rows(self.tangents.bodies, np.abs(self.tangents.J)).transposed_times(np.abs(t), n)
-        return np.asarray(32 * _EPS * (np.abs(self.free) + self.masses.inverse * push))
+        error = 32 * _EPS * (np.abs(self.free) + self.masses.inverse * push)
+        speeds = self.u.shape[1] - (1 if self.scene.planar else 3)
+        for island, _ in solved:
+            if len(island.contacts):
+                own = error[island.bodies]
+                error[island.bodies, :speeds] = own[:, :speeds].max()
+                error[island.bodies, speeds:] = own[:, speeds:].max()
+        return np.asarray(error)
 
     def impulses(self, solved: Sequence[tuple[Island, Vector]]) -> tuple[Vector, Vector]:
         """Impulses along all normals, and along all tangents."""
