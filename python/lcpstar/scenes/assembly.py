@@ -22,7 +22,7 @@ from ..coerce import Matrix, Vector
 from .contact import Contacts, Indices
 from .friction import facet_directions, on_facets, with_sliding_speeds
 from .islands import islands
-from .rotation import cross
+from .rotation import cross, rotate
 from .rows import Masses, Rows, contact_rows, joint_rows
 from .scene import Scene
 
@@ -214,6 +214,13 @@ class System:
         picked = (self.per_joint * joints[:, None] + np.arange(self.per_joint)).ravel()
         rows = Rows(self.joints.bodies[picked], self.joints.J[picked])
         return _Projector(rows, self.masses, self.joint_target[picked])
+
+    def unpack(self, u: Matrix) -> tuple[Matrix, Matrix]:
+        """Velocities and angular velocities (n, 3) in the world's axes."""
+        if not self.scene.planar:
+            return u[:, :3].copy(), rotate(self.masses.R, u[:, 3:])
+        none = np.zeros(len(u))
+        return np.stack([u[:, 0], none, u[:, 1]], axis=1), np.stack([none, u[:, 2], none], axis=1)
 
     def rounding(self, solved: Sequence[tuple[Island, Vector]]) -> Matrix:
         """Bounds (n, D) of the rounding errors in `velocity`.

@@ -34,19 +34,28 @@ class Points:
     feature: Indices
 
 
-def find_contacts(scene: Scene, dt: float) -> Contacts:
-    """All contacts that could close within a step of `dt` seconds at the present speeds, in the order of bodies.
+def motion(scene: Scene, velocity: Matrix, angular_velocity: Matrix, dt: float) -> Vector:
+    """How far any point of a body moves in `dt` seconds at most (n,): `dt (|v| + |omega| r)`, r its bounding radius."""
+    speed, spin = np.sqrt(dot(velocity, velocity)), np.sqrt(dot(angular_velocity, angular_velocity))
+    return np.asarray(dt * (speed + spin * scene.radius))
 
-    Bodies that share a joint do not collide.
 
-    The margin of a body is `dt (|v| + |omega| r + dt |g|) + SKIN r`, r its bounding radius. A pair's contacts depend on
+def margins(scene: Scene, dt: float) -> Vector:
+    """How far each body may move in a step without impulses, and a little more: `motion + dt^2 |g| + SKIN r`."""
+    fall = dt * dt * float(np.sqrt(scene.gravity @ scene.gravity))
+    return np.asarray(motion(scene, scene.velocity, scene.angular_velocity, dt) + fall + SKIN * scene.radius)
+
+
+def find_contacts(scene: Scene, dt: float, margin: Vector | None = None) -> Contacts:
+    """All contacts that could close while no body moves further than `margin` (n,) [m], in the order of bodies.
+
+    By default the `margins` of a step of `dt` seconds. Bodies that share a joint do not collide.
+
+    A pair's contacts depend on
     that pair alone. O(n + contacts) in NumPy for bodies of similar size; a planar pair of polygons with m corners costs
     O(m^2), a pair of boxes the six face normals.
     """
-    speed = np.sqrt(dot(scene.velocity, scene.velocity))
-    spin = np.sqrt(dot(scene.angular_velocity, scene.angular_velocity))
-    fall = dt * float(np.sqrt(scene.gravity @ scene.gravity))
-    margin = dt * (speed + spin * scene.radius + fall) + SKIN * scene.radius
+    margin = margins(scene, dt) if margin is None else margin
     movable = np.isfinite(scene.mass)
     R = rotations(scene.orientation)
     i, j = near_pairs(scene.position, scene.radius + margin, movable)

@@ -13,11 +13,11 @@ from ..errors import OptionError
 from ..options import MethodOptions
 from .assembly import Island, Stepping, System
 from .body import positive
-from .collide import find_contacts
+from .collide import find_contacts, margins, motion
 from .contact import Contacts, Indices
 from .history import History, StepRecord
 from .measures import PhysicalErrors, physical_errors
-from .rotation import dot, rotate, turn
+from .rotation import dot, turn
 from .scene import Scene
 from .solving import Answer, Solving, solve_islands
 
@@ -72,11 +72,20 @@ class Stepper:
     def step(self) -> StepRecord:
         """One step: changes the scene's state and returns what happened. `contacts` and `islands` keep the problems."""
         start = time.perf_counter()
-        self.contacts = find_contacts(self.scene, self.stepping.dt)
-        system = System(self.scene, self.contacts, self.stepping, self._error)
-        started = time.perf_counter()
-        solved, asleep, u = self._solve(system)
-        solve_seconds = time.perf_counter() - started
+        scene, dt = self.scene, self.stepping.dt
+        margin = margins(scene, dt)
+        solve_seconds = 0.0
+        while True:
+            self.contacts = find_contacts(scene, dt, margin)
+            system = System(scene, self.contacts, self.stepping, self._error)
+            started = time.perf_counter()
+            solved, asleep, u = self._solve(system)
+            solve_seconds += time.perf_counter() - started
+            moved = motion(scene, *system.unpack(u), dt)
+            shot = moved > margin  # impulses made it faster than contacts were looked for
+            if not shot.any():
+                break
+            margin = np.where(shot, 2 * moved, margin)
         impulses = [(island, answer.z) for island, answer in solved]
         self._error = system.rounding(impulses)
         u = np.where(np.abs(u) <= self._error, 0.0, u)  # what rounding alone may have made is rest
@@ -154,12 +163,7 @@ class Stepper:
 
     def _move(self, system: System, u: Matrix, asleep: NDArray[np.bool_]) -> None:
         scene, dt = self.scene, self.stepping.dt
-        if scene.planar:
-            scene.velocity = np.stack([u[:, 0], np.zeros(len(u)), u[:, 1]], axis=1)
-            scene.angular_velocity = np.stack([np.zeros(len(u)), u[:, 2], np.zeros(len(u))], axis=1)
-        else:
-            scene.velocity = u[:, :3].copy()
-            scene.angular_velocity = rotate(system.masses.R, u[:, 3:])
+        scene.velocity, scene.angular_velocity = system.unpack(u)
         scene.position = scene.position + dt * scene.velocity
         scene.orientation = turn(scene.orientation, scene.angular_velocity, dt)
         scene.time += dt
