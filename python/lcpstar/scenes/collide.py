@@ -101,12 +101,9 @@ def _on_plane(scene: Scene, R: Matrix, k: int, margin: Vector, movable: np.ndarr
         body, lowest = near, scene.position[near] - normal * scene.radius[near, None]
         vertex = np.zeros(len(near), np.intp)
     else:
-        corners = [_corners(scene, int(b)) for b in near]
-        counts = [len(c) for c in corners]
-        body = np.repeat(near, counts)
-        vertex = np.concatenate([np.arange(c) for c in counts]) if counts else np.empty(0, np.intp)
-        local = np.concatenate(corners) if corners else np.empty((0, 3))
-        lowest = scene.position[body] + rotate(R[body], local)
+        at, vertex = np.nonzero(np.arange(scene.corners.shape[1]) < scene.corner_count[near, None])
+        body = near[at]
+        lowest = scene.position[body] + rotate(R[body], scene.corners[body, vertex])
     gap = dot(lowest, normal[None, :]) - plane.offset
     keep = gap < margin[body]
     body, lowest, gap, vertex = body[keep], lowest[keep], gap[keep], vertex[keep]
@@ -119,11 +116,3 @@ def _on_plane(scene: Scene, R: Matrix, k: int, margin: Vector, movable: np.ndarr
         np.maximum(scene.restitution[body], plane.restitution),
         (64 * k + vertex).astype(np.intp),
     )
-
-
-def _corners(scene: Scene, body: int) -> Matrix:
-    shape = scene.bodies[body].shape
-    if scene.kind == "box":
-        return shape.vertices  # type: ignore[union-attr]
-    outline = shape.outline  # type: ignore[union-attr]
-    return np.stack([outline[:, 0], np.zeros(len(outline)), outline[:, 1]], axis=1)

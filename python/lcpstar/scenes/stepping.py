@@ -66,6 +66,7 @@ class Stepper:
         self.sleep_speed, self.sleep_after = sleep_speed, sleep_after
         self.contacts = Contacts.of([])
         self.islands: list[Island] = []
+        self._identity = self.contacts.identity()
         self._last: _Impulses | None = None
         self._error: Matrix | None = None
 
@@ -77,6 +78,7 @@ class Stepper:
         solve_seconds = 0.0
         while True:
             self.contacts = find_contacts(scene, dt, margin)
+            self._identity = self.contacts.identity()
             system = System(scene, self.contacts, self.stepping, self._error)
             started = time.perf_counter()
             solved, asleep, u = self._solve(system)
@@ -137,7 +139,7 @@ class Stepper:
         last = self._last
         if last is None or not self.solving.warm_start or not len(island.contacts):
             return None
-        identity = self.contacts.identity()[island.contacts]
+        identity = self._identity[island.contacts]
         at = np.minimum(np.searchsorted(last.identity, identity), max(0, len(last.identity) - 1))
         known = len(last.identity) > 0 and last.identity[at] == identity
         if not np.any(known):
@@ -157,7 +159,7 @@ class Stepper:
             z[first + island.rubbing, 1:-1] = answer.z[k : k + m * facets].reshape(m, facets)
             z[first + island.rubbing, -1] = answer.z[k + m * facets :]
             first += k
-        identity = self.contacts.identity()[contacts]
+        identity = self._identity[contacts]
         order = np.argsort(identity)
         self._last = _Impulses(identity[order], z[order])
 
