@@ -111,10 +111,11 @@ class System:
     def _targets(self) -> Vector:
         gap, settings = self.contacts.gap, self.settings
         b = np.where(gap > 0, gap, settings.stabilisation * gap) / settings.dt
-        before = self.normals.times(self.u)
-        arrives = gap + settings.dt * self.normals.times(self.free) < 0
+        before, after = self.normals.times(self.u), self.normals.times(self.free)
+        arrives = gap + settings.dt * after < 0
         bounces = (self.contacts.restitution > 0) & (before < -settings.bounce_speed) & arrives
-        return np.where(bounces, np.minimum(b, self.contacts.restitution * before), b)
+        # forces act during the bounce, too: without `after - before` it would gain energy of first order in dt
+        return np.where(bounces, np.minimum(b, self.contacts.restitution * before - (after - before)), b)
 
     def _without_noise(self, rows: Rows, u: Matrix, b: Vector) -> Vector:
         """`J u + b`, 0 where it is below the rounding errors of the last step's velocities and of the gaps.

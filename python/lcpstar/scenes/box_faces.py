@@ -105,7 +105,7 @@ def _overlap(flat: Matrix, height: Matrix, extent: Matrix) -> tuple[Matrix, Matr
     left = left - step[:, :, None, 1] * (corners[:, None, :, 0] - flat[:, :, None, 0])
     least = 2 * _SAME * np.abs(step).max(axis=-1) * extent.max(axis=1)[:, None]
     inside = (left > least[:, :, None]).all(axis=1) | (left < -least[:, :, None]).all(axis=1)
-    spots = np.concatenate([starts, ends, corners], axis=1)
+    spots = np.clip(np.concatenate([starts, ends, corners], axis=1), -extent[:, None], extent[:, None])
     plane = _height_above(flat, height, corners)
     heights = np.concatenate([height + enter * rise, height + leave * rise, plane], axis=1)
     return spots, heights, np.concatenate([hit, hit & (leave < 1 - 1e-9), inside], axis=1)
