@@ -342,7 +342,7 @@ def test_a_stack_that_is_put_down_comes_to_rest():
 
 @pytest.mark.parametrize(("thickness", "stands"), [(0.2, True), (0.14, True), (0.07, False), (0.05, False)])
 def test_an_arch_stands_when_it_is_thick_enough(thickness, stands):
-    """Milankovitch: t/R >= 0.1075 for a semicircle with joints everywhere."""
+    """Heyman: t/R >= 0.106 for a semicircle with joints everywhere."""
     drift = scenes.run(scenes.arch(15, thickness), 150).drift()[-1]
     assert drift < 1e-6 if stands else drift > 0.1
 

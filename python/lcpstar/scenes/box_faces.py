@@ -10,7 +10,7 @@ from .rotation import dot, rotate, rotate_back
 from .scene import Scene
 
 #: The first body's face is kept as the reference unless the other's separates by this fraction of the radius more.
-_PREFERENCE = 0.02
+_PREFERENCE = 1e-4
 #: Points of a face nearer than this, in extents, are one: faces that match have four contacts, not eight.
 _SAME = 1e-4
 #: Going around the face with the normal along `axis`: signs along the next two axes.

@@ -65,8 +65,8 @@ def pyramid_wall(rows: int = 6, friction: float = 0.5, width: float = 1.0, heigh
 def arch(voussoirs: int = 9, thickness: float = 0.2, radius: float = 1.0, friction: float = 0.9) -> Scene:
     """A semicircular masonry arch in the plane: equal voussoirs around the mean `radius`, density 1 kg/m^2.
 
-    `thickness` is in parts of the mean radius. A semicircle with radial joints needs at least 0.1075 to stand when
-    joints are everywhere (Milankovitch); with few voussoirs a little less, because hinges form at joints only.
+    `thickness` is in parts of the mean radius. A semicircle with radial joints everywhere needs about 0.106 to stand
+    [Hey69]; with few voussoirs a little less does, because hinges form at joints only.
     """
     if not 0 < thickness < 2:
         raise OptionError(f"thickness must lie in (0, 2), got {thickness}")

@@ -10,7 +10,7 @@ from .rotation import rotate
 from .scene import Scene
 
 #: The first body's face is kept as the reference unless the other's separates by this fraction of the radius more.
-_PREFERENCE = 0.02
+_PREFERENCE = 1e-4
 
 
 def polygon_contacts(
