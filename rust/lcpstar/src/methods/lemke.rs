@@ -76,8 +76,13 @@ pub fn lemke_from<T: Real>(lcp: &Lcp, alpha: &[usize], control: &Control<'_>) ->
     let alpha: Vec<usize> = (0..n).filter(|&i| inside[i]).collect();
     let (mut z, w) = (dictionary.point().0, dictionary.slacks());
     start.iter().for_each(|&i| z[i] = w[i]);
-    if termination != Termination::ComplementaryBasis {
-        return Candidate::point(z, termination, iterations);
+    match termination {
+        Termination::ComplementaryBasis => {}
+        Termination::SecondaryRay => {
+            let reason = Termination::Breakdown("the path from the guess ended on a ray, from which nothing follows");
+            return Candidate::point(z, reason, iterations);
+        }
+        _ => return Candidate::point(z, termination, iterations),
     }
     let z = basis::basic_point(lcp, &alpha).unwrap_or(z);
     Candidate { alpha: Some(alpha), ..Candidate::point(z, termination, iterations) }
