@@ -1,5 +1,7 @@
 //! The condensed dictionary of a complementary pivoting method, and the one ratio test.
 
+mod restart;
+
 use super::real::Real;
 use super::var::Var;
 use crate::linalg::kernels;
