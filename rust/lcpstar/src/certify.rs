@@ -134,10 +134,11 @@ fn measure(scaling: &Scaling, max_q: f64, z: Vec<f64>, w: Vec<f64>, magnitude: V
     let caller_w = scaling.w_to_caller(&w);
     let magnitude = scaling.w_to_caller(&magnitude);
     let allowed = 10.0 * tol * max_q;
-    let rows_agree =
-        caller_z.iter().zip(&caller_w).zip(&magnitude).all(|((&z, &w), &m)| {
-            z.is_finite() && w.is_finite() && z.min(w).abs() <= allowed + 8.0 * f64::EPSILON * m
-        });
+    let rows_agree = caller_z
+        .iter()
+        .zip(&caller_w)
+        .zip(&magnitude)
+        .all(|((&z, &w), &m)| z.is_finite() && w.is_finite() && z.min(w).abs() <= allowed + 8.0 * f64::EPSILON * m);
     Judged {
         solves: residual <= tol && natural_residual(&z, &w) <= tol.max(ABSOLUTE) && rows_agree && rows_hold,
         residual,

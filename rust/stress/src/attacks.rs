@@ -265,7 +265,15 @@ fn degenerate(rng: &mut Rng, n: usize) -> Problem {
     let a = gram(n, rank, &b, |_| 1.0);
     let both_zero = rng.f64();
     let pair: Vec<(f64, f64)> = (0..n)
-        .map(|_| if rng.f64() < both_zero { (0.0, 0.0) } else if rng.bool() { (1.0, 0.0) } else { (0.0, 1.0) })
+        .map(|_| {
+            if rng.f64() < both_zero {
+                (0.0, 0.0)
+            } else if rng.bool() {
+                (1.0, 0.0)
+            } else {
+                (0.0, 1.0)
+            }
+        })
         .collect();
     let q = (0..n).map(|i| pair[i].1 - (0..n).map(|j| a[i * n + j] * pair[j].0).sum::<f64>()).collect();
     Problem { n, a, q }
@@ -273,11 +281,8 @@ fn degenerate(rng: &mut Rng, n: usize) -> Problem {
 
 fn near_infeasible(rng: &mut Rng, n: usize) -> Problem {
     let rank = rng.usize(1..=n);
-    let mut b: Vec<f64> = if rng.bool() {
-        normals(rng, n * rank)
-    } else {
-        (0..n * rank).map(|_| f64::from(rng.i32(-3..=3))).collect()
-    };
+    let mut b: Vec<f64> =
+        if rng.bool() { normals(rng, n * rank) } else { (0..n * rank).map(|_| f64::from(rng.i32(-3..=3))).collect() };
     let (i, j) = (rng.usize(0..n), rng.usize(0..n));
     for l in 0..rank {
         b[i * rank + l] = if i == j { 0.0 } else { -b[j * rank + l] };
@@ -358,9 +363,8 @@ fn badly_scaled(rng: &mut Rng, n: usize) -> Problem {
 }
 
 fn special(rng: &mut Rng, n: usize) -> Problem {
-    const VALUES: [f64; 15] = [
-        0.0, -0.0, 1.0, -1.0, 2.0, -0.5, 5e-324, -5e-324, 1e308, -1e308, 1e-160, -1e160, 3.0, 0.1, -1e-16,
-    ];
+    const VALUES: [f64; 15] =
+        [0.0, -0.0, 1.0, -1.0, 2.0, -0.5, 5e-324, -5e-324, 1e308, -1e308, 1e-160, -1e160, 3.0, 0.1, -1e-16];
     let mut entry = || VALUES[rng.usize(0..VALUES.len())];
     let a = (0..n * n).map(|_| entry()).collect();
     let q = (0..n).map(|_| entry()).collect();

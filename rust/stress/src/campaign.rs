@@ -145,7 +145,8 @@ impl Plan {
                     answers.push((*way, Outcome::Answer(batch[k].clone())));
                 }
             }
-            let place = || format!("--attack {:?} --chunk {chunk} --only {k} --seed {}", ATTACKS[attack].name, self.seed);
+            let place =
+                || format!("--attack {:?} --chunk {chunk} --only {k} --seed {}", ATTACKS[attack].name, self.seed);
             self.score(attack, problem, answers, tol, &place, &mut tally);
         }
         tally

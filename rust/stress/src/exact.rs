@@ -177,7 +177,7 @@ mod tests {
     fn sums_are_exact_from_end_to_end_of_the_range() {
         let (value, exponent) = sum_of_products([(1e300, 1e300), (5e-324, 5e-324), (-1e300, 1e300)].into_iter());
         assert_eq!((value, exponent), (BigInt::from(1), -2148));
-        assert_eq!(wide_sum([(0.1, 3.0), (-0.3, 1.0)].into_iter()).to_f64(), 2f64.powi(-55) + 2f64.powi(-54) - 2f64.powi(-54));
+        assert_eq!(wide_sum([(0.1, 3.0), (-0.3, 1.0)].into_iter()).to_f64(), 2f64.powi(-55));
     }
 
     #[test]

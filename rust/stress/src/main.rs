@@ -54,7 +54,8 @@ fn arguments() -> Result<Option<Arguments>, lexopt::Error> {
             }
             Long("way") => {
                 let name = parser.value()?.string()?;
-                given.plan.way = Some(ways().iter().position(|way| *way == name).ok_or_else(|| format!("no way {name:?}"))?);
+                given.plan.way =
+                    Some(ways().iter().position(|way| *way == name).ok_or_else(|| format!("no way {name:?}"))?);
             }
             Long("chunk") => given.chunk = Some(parser.value()?.parse()?),
             Long("only") => given.plan.only = Some(parser.value()?.parse()?),
@@ -150,10 +151,8 @@ fn main() -> ExitCode {
 }
 
 fn record(folder: &Path, given: &Arguments, tally: &Tally, seconds: f64) -> std::io::Result<()> {
-    let command = format!(
-        "make stress STRESS=\"--count {} --large {} --seed {}\"",
-        given.count, given.large, given.plan.seed
-    );
+    let command =
+        format!("make stress STRESS=\"--count {} --large {} --seed {}\"", given.count, given.large, given.plan.seed);
     let (summary, tables, missed) = (report::summary(tally), report::tables(tally), report::missed(tally));
     let record = format!(
         "# Stress campaign\n\nMachine: {}, {} threads. lcpstar {} at commit {}. Command: `{command}`. {seconds:.0} s, the referee's \
@@ -165,7 +164,8 @@ fn record(folder: &Path, given: &Arguments, tally: &Tally, seconds: f64) -> std:
         commit(),
     );
     std::fs::write(folder.join("benches/record/stress.md"), record)?;
-    let docs = format!("{}\n{summary} (seed {}, `{command}`).\n\n{tables}", include_str!("preface.md"), given.plan.seed);
+    let docs =
+        format!("{}\n{summary} (seed {}, `{command}`).\n\n{tables}", include_str!("preface.md"), given.plan.seed);
     std::fs::write(folder.join("docs/stress.md"), docs)
 }
 

@@ -115,7 +115,12 @@ impl<'a> Case<'a> {
         let (w, m) = (0..self.problem.n)
             .map(|i| {
                 let (row, q) = (self.problem.row(i), self.problem.q[i]);
-                let terms = row.iter().copied().zip(z.iter().copied()).filter(|t| t.0 != 0.0 && t.1 != 0.0).chain(once((q, 1.0)));
+                let terms = row
+                    .iter()
+                    .copied()
+                    .zip(z.iter().copied())
+                    .filter(|t| t.0 != 0.0 && t.1 != 0.0)
+                    .chain(once((q, 1.0)));
                 let sizes = terms.clone().map(|(x, y)| (x.abs(), y.abs()));
                 (wide_sum(terms), wide_sum(sizes))
             })
@@ -184,8 +189,8 @@ impl<'a> Case<'a> {
             return Ok(true);
         }
         let support: Vec<usize> = (0..n).filter(|&i| inside[i] && answer.z[i] > 0.0).collect();
-        let solvable = self.refuted.get().is_none()
-            && (solvable::support_solves(self.problem, &support) || self.is_solvable());
+        let solvable =
+            self.refuted.get().is_none() && (solvable::support_solves(self.problem, &support) || self.is_solvable());
         if solvable {
             return Ok(true);
         }
@@ -196,7 +201,10 @@ impl<'a> Case<'a> {
         if distance.at_most(Wide::new(tol + 8.0 * f64::EPSILON)) {
             Ok(false)
         } else {
-            Err(format!("no solution exists, and the point is {:.1e} away from any problem it solves", distance.to_f64()))
+            Err(format!(
+                "no solution exists, and the point is {:.1e} away from any problem it solves",
+                distance.to_f64()
+            ))
         }
     }
 
@@ -206,12 +214,15 @@ impl<'a> Case<'a> {
 
     /// `Ok(true)`: right. `Ok(false)`: an exact solution exists, 1e10 away.
     fn infeasible(&self, answer: &Answer) -> Result<bool, String> {
-        let Some(Certificate::Infeasible { y, .. }) = &answer.certificate else {
+        let Some(Certificate::Infeasible { y, exact }) = &answer.certificate else {
             return Err("infeasible without a certificate".into());
         };
         let n = self.problem.n;
         if y.len() != n || y.iter().any(|y| !y.is_finite() || *y < 0.0) {
             return Err("y is not a nonnegative vector".into());
+        }
+        if exact.is_some() {
+            return Ok(true); // checked already; y is its rounding
         }
         let qy = wide_sum(self.problem.q.iter().copied().zip(y.iter().copied()));
         if !qy.neg().is_positive() {

@@ -23,15 +23,15 @@ impl Integers {
         let (a, q): (Vec<_>, Vec<_>) =
             (problem.a.iter().map(|&x| parts(x)).collect(), problem.q.iter().map(|&x| parts(x)).collect());
         let least = |entries: &mut dyn Iterator<Item = (i64, i64)>| entries.filter(|x| x.0 != 0).map(|x| x.1).min();
-        let column: Vec<i64> =
-            (0..n).map(|j| least(&mut (0..n).map(|i| a[i * n + j])).unwrap_or(0)).collect();
+        let column: Vec<i64> = (0..n).map(|j| least(&mut (0..n).map(|i| a[i * n + j])).unwrap_or(0)).collect();
         let row: Vec<i64> = (0..n)
             .map(|i| {
                 let entries = (0..n).map(|j| (a[i * n + j].0, a[i * n + j].1 - column[j])).chain([q[i]]);
                 least(&mut entries.into_iter()).unwrap_or(0)
             })
             .collect();
-        let integer = |(m, e): (i64, i64), shift: i64| if m == 0 { BigInt::zero() } else { BigInt::from(m) << (e - shift) };
+        let integer =
+            |(m, e): (i64, i64), shift: i64| if m == 0 { BigInt::zero() } else { BigInt::from(m) << (e - shift) };
         Self {
             n,
             a: (0..n * n).map(|k| integer(a[k], row[k / n] + column[k % n])).collect(),
@@ -140,14 +140,13 @@ mod tests {
         assert!(is_solvable(&problem(&[0.0], &[0.0])));
         // Bimatrix: every covering vector ends on a ray.
         assert!(is_solvable(&problem(&[0.0, 1.0, 1.0, 0.0], &[-1.0, -1.0])));
-        // Feasible, not solvable.
-        assert!(!is_solvable(&problem(&[-1.0, 1.0, 0.0, -1.0], &[-1.0, 0.5])) || !support_solves(&problem(&[-1.0, 1.0, 0.0, -1.0], &[-1.0, 0.5]), &[0]));
+        // Feasible at z = (0, 1), but then w_2 = 1.
+        assert!(!is_solvable(&problem(&[0.0, 1.0, 0.0, 0.0], &[-1.0, 1.0])));
     }
 
     #[test]
     fn a_singular_block_needs_a_row_outside_the_support() {
-        // z_1 + z_2 = 1 and w_3 = z_1 - z_2 - 1 >= 0: only the vertex (1, 0) is left, and A_11 = 1 finds it; with the
-        // row scaled so that no principal block helps, the row of w_3 decides.
+        // z = (1, 1, 0): A_SS of S = {1, 2} is [[0, 1], [0, 0]], and only the row of w_3 = z_1 - z_2 gives z_1.
         let p = problem(&[0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 1.0, -1.0, 0.0], &[-1.0, -1.0, 0.0]);
         assert!(is_solvable(&p));
         assert!(!support_solves(&p, &[0, 1]));
@@ -155,7 +154,10 @@ mod tests {
 
     #[test]
     fn powers_of_two_change_nothing() {
-        let a = [0.0, 2.0, -1.0, 2.0, -1.0, 0.0, 2.0, 2.0, -2.0, 0.0, -2.0, 2.0, 1.0, -2.0, 0.0, 0.0, 2.0, -1.0, 0.0, -2.0, 0.0, 0.0, 2.0, 1.0, -1.0];
+        let a = [
+            0.0, 2.0, -1.0, 2.0, -1.0, 0.0, 2.0, 2.0, -2.0, 0.0, -2.0, 2.0, 1.0, -2.0, 0.0, 0.0, 2.0, -1.0, 0.0, -2.0,
+            0.0, 0.0, 2.0, 1.0, -1.0,
+        ];
         let q = [1.0, -2.0, -3.0, -3.0, -3.0];
         assert!(!is_solvable(&problem(&a, &q)));
         let d = [2f64.powi(40), 1.0, 2f64.powi(-40), 8.0, 2f64.powi(-300)];

@@ -8,15 +8,18 @@
 //! without equilibrating.
 //!
 //! `certify` also bounds `max|min(z', w')|` itself on the equilibrated problem. `b_i <= 0.5e-6 |q_i|` in every row is enough for
-//! that in any units; where a row fails it, the bound is checked on the numbers as they are, if they are equilibrated
-//! already, and the slower path decides if not.
+//! that in any units; where a row fails it, as one with `q_i = 0` does, the scaling is needed: [`is_small_when_equilibrated`].
 
 use super::lane::{Lane, Mask};
+use crate::problem::Lcp;
+use crate::scaling::{Scaling, times_power_of_two};
 
 /// Lane by lane: accepted or not, and bounds of both residuals.
 pub struct Verdict<X: Lane> {
     /// Lanes that solve their problem.
     pub solved: X::Mask,
+    /// Lanes that do if [`is_small_when_equilibrated`] says so.
+    pub unsettled: X::Mask,
     /// Bound of the scale-free residual.
     pub residual: X,
     /// Bound of the natural residual in the caller's units.
@@ -45,6 +48,7 @@ pub fn verify<X: Lane, const N: usize>(n: usize, a: &[X], q: &[X], z: &[X], w: &
         largest_m: largest_q.mul(X::splat(LARGEST)),
         solved: X::Mask::ALL,
         small: X::Mask::ALL,
+        empty: X::Mask::NONE,
         ratio: X::splat(0.0),
         natural: X::splat(0.0),
     };
@@ -71,42 +75,45 @@ pub fn verify<X: Lane, const N: usize>(n: usize, a: &[X], q: &[X], z: &[X], w: &
     }
     let residual = rows.ratio.mul(X::splat(2.0 * n as f64 + 1.0));
     let mut solved = rows.solved.and(residual.le(X::splat(0.999 * tol)));
-    if solved.and(rows.small.not()).any() {
-        let within = rows.natural.le(largest_q.mul(X::splat(absolute(tol))));
-        solved = solved.and(rows.small.or(within.and(are_equilibrated::<X, N>(n, a))));
+    if solved.and(rows.empty).any() {
+        solved = solved.and(nothing_lost::<X, N>(n, a, q, z));
     }
-    Verdict { solved, residual, natural_residual: rows.natural }
+    let unsettled = solved.and(rows.small.not());
+    Verdict { solved: solved.and(rows.small), unsettled, residual, natural_residual: rows.natural }
+}
+
+/// Lanes where an `m_i = 0` means that the row has no term, not that every product underflowed.
+#[inline(always)]
+fn nothing_lost<X: Lane, const N: usize>(n: usize, a: &[X], q: &[X], z: &[X]) -> X::Mask {
+    let n = if N == 0 { n } else { N };
+    let zero = X::splat(0.0);
+    let mut all = X::Mask::ALL;
+    for i in 0..n {
+        let (mut m, mut terms) = (q[i].abs(), X::Mask::NONE);
+        for j in 0..n {
+            let size = a[i * n + j].abs();
+            m = m.add_product(size, z[j]);
+            terms = terms.or(zero.lt(size).and(zero.lt(z[j])));
+        }
+        all = all.and(zero.lt(m).or(terms.not()));
+    }
+    all
 }
 
 /// In every row, `b_i` below this part of `|q_i|` keeps `max|min(z', w')|` below `ABSOLUTE` of `certify`, since `|q'| < 1`.
 const PART_OF_Q: f64 = 0.5e-6;
 
-/// What `max|min(z, w)|` may be, as a part of `max|q|`, on an equilibrated problem.
-#[inline(always)]
-fn absolute(tol: f64) -> f64 {
-    0.999 * tol.max(2.0 * PART_OF_Q)
-}
-
-/// Lanes whose rows and columns have their largest entry in [1/4, 2) already, or are zero.
-#[inline(always)]
-fn are_equilibrated<X: Lane, const N: usize>(n: usize, a: &[X]) -> X::Mask {
-    let n = if N == 0 { n } else { N };
-    let mut all = X::Mask::ALL;
-    for i in 0..n {
-        let (mut row, mut column) = (X::splat(0.0), X::splat(0.0));
-        for j in 0..n {
-            row = a[i * n + j].abs().max(row);
-            column = a[j * n + i].abs().max(column);
-        }
-        all = all.and(is_near_one(row)).and(is_near_one(column));
-    }
-    all
-}
-
-/// In [1/4, 2), or zero.
-#[inline(always)]
-fn is_near_one<X: Lane>(x: X) -> X::Mask {
-    X::splat(0.25).le(x).and(x.lt(X::splat(2.0))).or(x.eq(X::splat(0.0)))
+/// Whether `max|min(z', w')| <= max(tol, 1e-6)` on the equilibrated problem, for a point that passed everything else.
+#[cold]
+pub fn is_small_when_equilibrated(n: usize, a: &[f64], q: &[f64], z: &[f64], w: &[f64], tol: f64) -> bool {
+    let lcp = Lcp::trusted(n, a.to_vec(), q.to_vec());
+    let scaling = Scaling::new(&lcp);
+    let rounding = 0.5 * (n as f64 + 2.0) * f64::EPSILON * 1.01;
+    (0..n).all(|i| {
+        let m = lcp.row(i).iter().zip(z).fold(q[i].abs(), |m, (a, z)| m + a.abs() * z);
+        let b = if z[i] > 0.0 { w[i].abs() } else { (-w[i]).max(0.0) } + rounding * m;
+        times_power_of_two(b, scaling.rows[i] + scaling.q) <= 0.999 * tol.max(2.0 * PART_OF_Q)
+    })
 }
 
 /// The rows judged so far.
@@ -117,6 +124,8 @@ struct Rows<X: Lane> {
     solved: X::Mask,
     /// `b_i` is a small part of `|q_i|`.
     small: X::Mask,
+    /// Some `m_i` is zero.
+    empty: X::Mask,
     ratio: X,
     natural: X,
 }
@@ -132,6 +141,7 @@ impl<X: Lane> Rows<X> {
         let in_range = m.lt(most).and(least.lt(m).or(m.eq(zero)));
         let in_units = b.le(self.allowed.add_product(X::splat(7.9 * f64::EPSILON), m.min(self.largest_m)));
         self.solved = self.solved.and(in_range).and(in_units).and(zero.le(z));
+        self.empty = self.empty.or(m.eq(zero));
         self.small = self.small.and(b.le(q.abs().mul(X::splat(PART_OF_Q))));
         self.ratio = b.div(m.max(least)).max(self.ratio);
         self.natural = b.max(self.natural);
@@ -173,41 +183,23 @@ pub fn verify_one<X: Lane<Number = f64>>(
             (true, false) => (e - wi).max(0.0),
             (true, true) => wi.abs() + e,
         };
-        let in_range = m == 0.0 || MAGNITUDES.contains(&m);
+        let terms = || a[i * width..(i + 1) * width].iter().zip(z).any(|(a, z)| is_term(*a, *z));
+        let in_range = if m == 0.0 { !terms() } else { MAGNITUDES.contains(&m) };
         solved &= in_range && zi >= 0.0 && b <= allowed + 7.9 * f64::EPSILON * m.min(largest_m);
         small &= b <= PART_OF_Q * q[i].abs();
         ratio = ratio.max(b / m.max(MAGNITUDES.start));
         natural = natural.max(b);
     }
-    if solved && !small {
-        solved = natural <= absolute(tol) * largest_q && is_equilibrated(n, width, a);
-    }
     let residual = (2.0 * n as f64 + 1.0) * ratio;
-    Judged { solved: solved && residual <= 0.999 * tol, residual, natural_residual: natural }
+    solved &= residual <= 0.999 * tol;
+    Judged { solved: solved && small, unsettled: solved && !small, residual, natural_residual: natural }
 }
 
-/// Vectors per row up to which the columns are looked at.
-const WIDEST: usize = 32;
-
-/// [`are_equilibrated`] for one problem in padded rows.
+/// Whether a lane of `a z` is not zero, though it may underflow.
 #[inline(always)]
-fn is_equilibrated<X: Lane<Number = f64>>(n: usize, width: usize, a: &[X]) -> bool {
-    if width > WIDEST {
-        return false;
-    }
-    let mut columns = [X::splat(0.0); WIDEST];
-    let mut all = true;
-    for row in a[..n * width].chunks_exact(width) {
-        let mut largest = X::splat(0.0);
-        for (a, m) in row.iter().zip(&mut columns) {
-            largest = a.abs().max(largest);
-            *m = a.abs().max(*m);
-        }
-        let largest = largest.largest();
-        all &= largest == 0.0 || (0.25..2.0).contains(&largest);
-    }
-    // Padding is zero.
-    columns[..width].iter().fold(all, |all, m| all & !is_near_one(*m).not().any())
+fn is_term<X: Lane>(a: X, z: X) -> bool {
+    let zero = X::splat(0.0);
+    zero.lt(a.abs()).and(zero.lt(z)).any()
 }
 
 /// What [`verify_one`] found.
@@ -215,6 +207,8 @@ fn is_equilibrated<X: Lane<Number = f64>>(n: usize, width: usize, a: &[X]) -> bo
 pub struct Judged {
     /// Whether the point solves the problem.
     pub solved: bool,
+    /// It does if [`is_small_when_equilibrated`] says so.
+    pub unsettled: bool,
     /// Bound of the scale-free residual.
     pub residual: f64,
     /// Bound of the natural residual in the caller's units.
