@@ -150,6 +150,7 @@ def solve_sparse(
     max_iterations: int | None,
     time_limit: float | None,
     z0: Vector | None,
+    certify: str,
     options: InteriorPointOptions,
 ) -> Solution: ...
 def solve_batch(

@@ -139,12 +139,11 @@ def solve_sparse(
     """Solve LCP(q, A) for a `scipy.sparse` A by the interior point method, with sparse factorisations.
 
     Called by `lcpstar.solve`. Monotone A (A + A' PSD) is solved or certified infeasible; the residual is that of the
-    problem scaled to `D A D`. The cost of an iteration is one sparse factorisation of `A + D`.
+    problem scaled to `D A D`. The cost of an iteration is one sparse factorisation of `A + D`. `certify="exact"` works on a
+    dense copy and raises TooLargeError for n > 2000.
     """
     if method not in ("auto", "interior_point"):
         raise UnknownNameError(f"method must be one of auto, interior_point for a sparse A, got {method!r}")
-    if certify != "float":
-        raise UnknownNameError(f"certify must be float for a sparse A, got {certify!r}")
     if options is not None and not isinstance(options, InteriorPointOptions):
         raise OptionTypeError(f"a sparse A takes options of class InteriorPointOptions, got {type(options).__name__}")
     if max_iterations is not None and max_iterations < 0:
@@ -161,5 +160,5 @@ def solve_sparse(
     starts, columns = rows.indptr.astype(np.int64), rows.indices.astype(np.int64)
     values = rows.data.astype(np.float64)
     return _core.solve_sparse(
-        starts, columns, values, rhs, tol, max_iterations, time_limit, guess, options or InteriorPointOptions()
+        starts, columns, values, rhs, tol, max_iterations, time_limit, guess, certify, options or InteriorPointOptions()
     )

@@ -37,7 +37,8 @@ def solve(
     q : (n,) array_like of real numbers
     method : str
         "auto" (a documented portfolio, see docs/methods.md), "lemke", "lemke_howson", "principal_pivoting",
-        "block_pivoting", "chandrasekaran" (Z-matrices), "enumerate" (n <= 24), "bilinear", "potential_reduction".
+        "block_pivoting", "chandrasekaran" (Z-matrices), "enumerate" (n <= 24), "bilinear", "interior_point",
+        "potential_reduction".
     tol : float in (0, 1)
         Bounds `Solution.residual` of a solved problem: `max|min(z', w')| / max(1, max|z'|)` on the problem
         equilibrated by powers of two, so it does not depend on units.
@@ -46,7 +47,8 @@ def solve(
     time_limit : float, optional
         Seconds; checked once per iteration.
     z0 : (n,) array_like, optional
-        A guess. Its support is tried as it is: right, it costs one factorisation and no pivot.
+        A guess, used by its support. Right, it costs one factorisation and no pivot; nearly right, about one pivot for
+        each wrong index.
     certify : "float" or "exact"
         "exact" proves the answer in rational arithmetic on the given binary numbers.
     options : LemkeOptions or the options class of `method`, optional

@@ -1,6 +1,6 @@
 //! The interior point methods: `potential_reduction` with its trace, and options.
 
-use lcpstar::driver;
+use lcpstar::driver::{self, Certify};
 use lcpstar::methods::interior_point;
 use lcpstar::methods::potential_reduction::{self as potential, DirectionSolver, Record, Settings, Stop};
 use lcpstar::{Control, LcpError, SparseLcp};
@@ -138,7 +138,7 @@ fn records(py: Python<'_>, rows: Vec<Record>) -> PyResult<Py<PyAny>> {
 
 /// Solves a sparse LCP given by compressed rows; arguments already coerced by `lcpstar.solve`.
 #[pyfunction]
-#[pyo3(signature = (starts, columns, values, q, tol, max_iterations, time_limit, z0, options))]
+#[pyo3(signature = (starts, columns, values, q, tol, max_iterations, time_limit, z0, certify, options))]
 pub fn solve_sparse(
     py: Python<'_>,
     starts: PyReadonlyArray1<'_, i64>,
@@ -149,9 +149,11 @@ pub fn solve_sparse(
     max_iterations: Option<usize>,
     time_limit: Option<f64>,
     z0: Option<PyReadonlyArray1<'_, f64>>,
+    certify: &str,
     options: &Bound<'_, PyAny>,
 ) -> PyResult<PySolution> {
     let start = Instant::now();
+    let certify = Certify::from_name(certify).map_err(|e| to_python(py, &e))?;
     // A negative index becomes one that is out of range, which the core names.
     let indices = |v: &PyReadonlyArray1<'_, i64>| -> Vec<usize> {
         v.as_array().iter().map(|&i| usize::try_from(i).unwrap_or(usize::MAX)).collect()
@@ -166,7 +168,7 @@ pub fn solve_sparse(
         deadline: crate::solve::deadline(py, start, time_limit)?,
         interrupted: Some(&|| signals.interrupted()),
     };
-    let solution = enter_core(py, || driver::solve_sparse(&lcp, tol, &settings, &control))?;
+    let solution = enter_core(py, || driver::solve_sparse(&lcp, tol, certify, &settings, &control))?;
     signals.raise()?;
     Ok(PySolution::new(solution, start.elapsed().as_secs_f64()))
 }

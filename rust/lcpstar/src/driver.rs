@@ -165,7 +165,7 @@ fn by_method(problem: &Equilibrated<'_>, settings: &Settings, control: &Control<
                 let options = lemke::Settings { d: Some(covering_vector(problem, d)) };
                 certify(problem, lemke::lemke::<f64>(scaled, &options, control), "lemke", settings.tol)
             }
-            None => portfolio::lemke(problem, *restarts, *seed, settings.tol, control),
+            None => portfolio::lemke(problem, *restarts, *seed, settings, control),
         },
         Method::LemkeHowson(options) => {
             certify(problem, lemke_howson::lemke_howson(scaled, options, control), "lemke_howson", settings.tol)
@@ -195,10 +195,12 @@ fn by_method(problem: &Equilibrated<'_>, settings: &Settings, control: &Control<
 /// scaled problem; `z0` of the options is in the caller's units.
 ///
 /// # Errors
-/// `OutOfRange` for `tol`; `WrongLength` or `NotFinite` for `z0`.
+/// `OutOfRange` for `tol`; `WrongLength` or `NotFinite` for `z0`; `TooLarge` for an exact proof beyond
+/// [`SPARSE_EXACT_UP_TO`], because it is made on a dense copy.
 pub fn solve_sparse(
     lcp: &SparseLcp,
     tol: f64,
+    certify: Certify,
     options: &interior_point::Settings,
     control: &Control<'_>,
 ) -> Result<Solution> {
@@ -207,6 +209,10 @@ pub fn solve_sparse(
     }
     if let Some(z0) = &options.z0 {
         check_vector("z0", z0, lcp.n())?;
+    }
+    if certify == Certify::Exact && lcp.n() > SPARSE_EXACT_UP_TO {
+        let name = "certify=\"exact\" with a sparse A, which is proved on a dense copy,";
+        return Err(LcpError::TooLarge { name, n: lcp.n(), limit: SPARSE_EXACT_UP_TO });
     }
     let scaling = Scaling::of_sparse(lcp);
     let scaled = lcp.scaled(&scaling);
@@ -217,8 +223,15 @@ pub fn solve_sparse(
     } else {
         interior_point::interior_point_sparse(&scaled, &options, control)
     };
-    Ok(certify_sparse(lcp, &scaled, &scaling, found, "interior_point", tol))
+    let solution = certify_sparse(lcp, &scaled, &scaling, found, "interior_point", tol);
+    Ok(match certify {
+        Certify::Float => solution,
+        Certify::Exact => prove::prove(&Equilibrated::new(&lcp.to_dense()), solution, tol, control),
+    })
 }
+
+/// Largest order of a sparse problem that is proved exactly.
+pub const SPARSE_EXACT_UP_TO: usize = 2000;
 
 /// Runs the interior point method on `D A D`, because `D_r A D_c` with `D_r != D_c` need not be monotone when A is.
 fn interior_point_candidate(

@@ -3,6 +3,7 @@
 pub mod cone;
 pub mod dyadic;
 pub mod elimination;
+pub mod face;
 pub mod imatrix;
 pub mod int;
 pub mod lp;

@@ -59,24 +59,13 @@ pub fn prove_solution(lcp: &Lcp, alpha: &[usize], stop: &dyn Fn() -> bool) -> Pr
     match block.and_then(|block| block.solve(&rhs, stop)) {
         Ok(part) => conclude(lcp, alpha, spread(lcp.n(), alpha, part), true),
         Err(Unsolved::Interrupted) => ProofOutcome::Interrupted,
-        Err(Unsolved::Singular) => prove_singular(lcp, alpha, &vec![0.0; lcp.n()], stop),
+        Err(Unsolved::Singular) => prove_singular(lcp, alpha, stop),
     }
 }
 
-/// As [`prove_solution`] with `alpha` the support of the approximate solution `z`, for a block that may be
-/// singular: the entries of `z` that the rows of `alpha` leave free keep their values.
-#[must_use]
-pub fn prove_near(lcp: &Lcp, z: &[f64], stop: &dyn Fn() -> bool) -> ProofOutcome {
-    let alpha: Vec<usize> = (0..lcp.n()).filter(|&i| z[i] > 0.0).collect();
-    match Block::new(alpha.len(), |i, j| lcp.row(alpha[i])[alpha[j]]) {
-        Ok(_) => prove_solution(lcp, &alpha, stop),
-        Err(_) => prove_singular(lcp, &alpha, z, stop),
-    }
-}
-
-fn prove_singular(lcp: &Lcp, alpha: &[usize], z: &[f64], stop: &dyn Fn() -> bool) -> ProofOutcome {
+fn prove_singular(lcp: &Lcp, alpha: &[usize], stop: &dyn Fn() -> bool) -> ProofOutcome {
     let k = alpha.len();
-    let values: Vec<f64> = alpha.iter().map(|&i| z[i]).collect();
+    let values = vec![0.0; k];
     let rows = Rows { count: k, entry: &|i, j| lcp.row(alpha[i])[alpha[j]], rhs: &|i| -lcp.q()[alpha[i]] };
     match rows.point_near(&values, stop) {
         Ok((part, rank)) => match conclude(lcp, alpha, spread(lcp.n(), alpha, part), false) {
@@ -169,7 +158,7 @@ impl<'a> WSigns<'a> {
 }
 
 /// `part` on `alpha`, zero elsewhere.
-fn spread(n: usize, alpha: &[usize], part: RationalVec) -> RationalVec {
+pub(super) fn spread(n: usize, alpha: &[usize], part: RationalVec) -> RationalVec {
     let mut numerators = vec![BigInt::zero(); n];
     for (&i, x) in alpha.iter().zip(part.numerators) {
         numerators[i] = x;
@@ -178,16 +167,16 @@ fn spread(n: usize, alpha: &[usize], part: RationalVec) -> RationalVec {
 }
 
 /// Linear equations `sum_j entry(i, j) v_j = rhs(i)` with double coefficients.
-struct Rows<'a> {
-    count: usize,
-    entry: &'a dyn Fn(usize, usize) -> f64,
-    rhs: &'a dyn Fn(usize) -> f64,
+pub(super) struct Rows<'a> {
+    pub(super) count: usize,
+    pub(super) entry: &'a dyn Fn(usize, usize) -> f64,
+    pub(super) rhs: &'a dyn Fn(usize) -> f64,
 }
 
 impl Rows<'_> {
     /// The exact solution of a maximal independent subset of the rows next to `v`: basic variables, taken among the
     /// largest entries, are solved for, the others keep their values. Also the rank.
-    fn point_near(&self, v: &[f64], stop: &dyn Fn() -> bool) -> Result<(RationalVec, usize), Unsolved> {
+    pub(super) fn point_near(&self, v: &[f64], stop: &dyn Fn() -> bool) -> Result<(RationalVec, usize), Unsolved> {
         let n = v.len();
         let mut preference: Vec<usize> = (0..n).collect();
         preference.sort_by(|&i, &j| v[j].total_cmp(&v[i]));
@@ -459,8 +448,6 @@ mod tests {
     fn a_singular_block_with_a_consistent_system_is_proved() {
         let p = lcp(2, &[1.0, 1.0, 1.0, 1.0], &[-1.0, -1.0]);
         assert!(matches!(prove_solution(&p, &[0, 1], &never), ProofOutcome::Proved(_)));
-        let ProofOutcome::Proved(s) = prove_near(&p, &[0.25, 0.75], &never) else { panic!("not proved") };
-        assert_eq!(s.z.to_f64(), [0.25, 0.75]);
         let bad = lcp(2, &[1.0, 1.0, 1.0, 1.0], &[-1.0, -2.0]);
         assert_eq!(prove_solution(&bad, &[0, 1], &never), ProofOutcome::Singular { rank: 1 });
     }

@@ -105,11 +105,15 @@ impl Iterate {
         }
     }
 
-    /// Residuals of the model at this point. Two products with A.
+    /// Residuals of the model at this point. Two products with A, one when it is symmetric.
     pub fn update_residuals(&mut self, system: &impl NewtonSystem) {
         let q = system.q();
         system.multiply(&self.z, &mut self.az);
-        system.multiply_transposed(&self.z, &mut self.gradient);
+        if system.is_symmetric() {
+            self.gradient.copy_from_slice(&self.az);
+        } else {
+            system.multiply_transposed(&self.z, &mut self.gradient);
+        }
         for i in 0..self.z.len() {
             self.gradient[i] = (self.gradient[i] + self.az[i]) / self.tau + q[i];
             self.r_p[i] = self.w[i] - self.az[i] - self.tau * q[i];
