@@ -475,6 +475,14 @@ def test_an_answer_that_is_not_solved_is_said_and_used():
     assert "solved in 0 of 3" in str(history)
 
 
+def test_a_step_without_time_moves_on_and_says_so():
+    scene = scenes.sphere_pile(16, friction=0.3)
+    history = scenes.run(scene, 60, method="lemke", time_limit=1e-9)
+    assert len(history) == 60
+    assert not history.solved.all()
+    assert np.isfinite(scene.position).all()
+
+
 def test_history_has_an_array_for_every_number():
     history = scenes.run(scenes.box_stack(2), 5)
     for name in ("time", "rows", "islands", "residual", "seconds", "penetration", "signorini", "energy"):
