@@ -8,7 +8,7 @@ use crate::certify::certify;
 use crate::control::Control;
 use crate::linalg::dd::Dd;
 use crate::methods::{
-    bilinear, block_pivoting, chandrasekaran, enumerate, feasibility, lemke, lemke_howson,
+    bilinear, block_pivoting, chandrasekaran, enumerate, feasibility, interior_point, lemke, lemke_howson,
     principal_pivoting as criss_cross,
 };
 use crate::problem::Lcp;
@@ -115,7 +115,7 @@ pub(super) fn principal_pivoting(problem: &Equilibrated<'_>, tol: f64, control: 
 }
 
 /// See the module. Members: Chandrasekaran (Z), the guess, block pivoting (P-like), Lemke-Howson (bimatrix), Lemke and its
-/// restarts.
+/// restarts, the interior point method, successive linear programmes.
 pub(super) fn auto(problem: &Equilibrated<'_>, settings: &Settings, control: &Control<'_>) -> Solution {
     let mut race = Race::new(problem, settings.tol, control);
     let lcp = &problem.lcp;
@@ -156,6 +156,11 @@ pub(super) fn auto(problem: &Equilibrated<'_>, settings: &Settings, control: &Co
         }
     }
     if lemke_members(&mut race, super::DEFAULT_RESTARTS, 0) {
+        return race.finish();
+    }
+    // Frictional contact under a heavy load: the pivots that matter are as small as the rounding of redundant rows.
+    let options = interior_point::Settings::default();
+    if race.run("interior_point", |control| super::interior_point_candidate(problem, settings, &options, control)) {
         return race.finish();
     }
     let options = bilinear::Settings::default();
