@@ -30,11 +30,17 @@ def main(argv: list[str] | None = None) -> int:
     try:
         return int(arguments.run(arguments))
     except LCPError as error:
-        print(f"lcpstar: {error}", file=sys.stderr)
+        print(f"lcpstar: {_one_line(str(error))}", file=sys.stderr)
         return 2
     except KeyboardInterrupt:
         print("lcpstar: interrupted", file=sys.stderr)
         return 130
+
+
+def _one_line(text: str, longest: int = 400) -> str:
+    """What a file's name or content put into a message cannot start a line, move the cursor or fill the screen."""
+    line = " ".join("".join(c if c.isprintable() else " " for c in text).split())
+    return line if len(line) <= longest else line[: longest - 3] + "..."
 
 
 def _add_solve(commands: Any) -> None:

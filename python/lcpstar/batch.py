@@ -130,10 +130,10 @@ def solve_batch(
     if z0 is not None and alpha0 is not None:
         raise OptionError("z0 and alpha0 are both guesses of the support: give one of them")
     if q is None:
-        if not isinstance(A, (list, tuple)) or any(len(pair) != 2 for pair in A):
+        if not isinstance(A, (list, tuple)) or not all(isinstance(p, (list, tuple)) and len(p) == 2 for p in A):
             raise ShapeError("without q, A must be a list of pairs (A, q)")
         return _ragged([pair[0] for pair in A], [pair[1] for pair in A], method, tol, count, z0, alpha0)
-    if isinstance(A, (list, tuple)) and isinstance(q, (list, tuple)) and len({np.shape(v) for v in q}) > 1:
+    if isinstance(A, (list, tuple)) and isinstance(q, (list, tuple)) and len({_shape(v) for v in q}) > 1:
         return _ragged(A, q, method, tol, count, z0, alpha0)
     return _uniform(as_real("A", A), as_real("q", q), method, tol, count, z0, alpha0)
 
@@ -168,6 +168,14 @@ def solve_gufunc(A: ArrayLike, q: ArrayLike, tol: float = 1e-9, threads: int | N
 
 
 solve_gufunc.signature = "(n,n),(n)->(n)"  # type: ignore[attr-defined]
+
+
+def _shape(value: ArrayLike) -> tuple[int, ...] | None:
+    """The shape of an array or of nested lists; None where they are ragged."""
+    try:
+        return np.shape(value)
+    except ValueError:
+        return None
 
 
 def _uniform(

@@ -202,7 +202,7 @@ fn proved(problem: &Equilibrated<'_>, found: &Solution, exact: ExactSolution, to
 fn infeasible(mut solution: Solution, exact: RationalVec) -> Solution {
     solution.status = Status::Infeasible;
     solution.message = "infeasible, proved in exact arithmetic: y >= 0, A'y <= 0, q'y < 0".to_owned();
-    solution.certificate = Some(Certificate::Infeasible { y: exact.to_f64(), exact: Some(exact) });
+    solution.certificate = Some(Certificate::Infeasible { y: exact.direction_to_f64(), exact: Some(exact) });
     solution
 }
 

@@ -99,7 +99,8 @@ impl Block {
         let mut lift = Lift::new(self, &integers, rhs_bits);
         let mut attempt_at = 4usize;
         loop {
-            let steps = if attempt_at * 5 > last_step * 4 { last_step } else { attempt_at };
+            let near_the_end = lift.digits.len() < last_step && attempt_at * 5 > last_step * 4;
+            let steps = if near_the_end { last_step } else { attempt_at };
             while lift.digits.len() < steps {
                 if stop() {
                     return Err(Unsolved::Interrupted);
@@ -115,7 +116,7 @@ impl Block {
                 return Ok(RationalVec::from_scaled(v, denominator));
             }
             // Beyond Hadamard's bound success is certain but for an unlucky combination: go on with more digits.
-            attempt_at = if steps >= last_step { last_step + last_step / 4 + 4 } else { steps + steps / 2 };
+            attempt_at = if steps >= last_step { steps + steps / 4 + 4 } else { steps + steps / 2 };
         }
     }
 
@@ -253,6 +254,18 @@ mod tests {
         check(2, &[1e-300, 1e300, 1e300, 3e-300], &[1e-300, 1e300]);
         check(1, &[5e-324], &[f64::MAX]);
         check(3, &[1.0, 2.0, 0.0, 0.0, -1.0, 4.0, 1.0, 0.0, 1.0], &[0.0, -8.0, 2.0]);
+    }
+
+    /// Weights of the combination are no random numbers: that of indices 0, 1, 2 is the one of 3, and (1, 1, 1, -1) sums to 0.
+    #[test]
+    fn a_combination_that_vanishes_ends() {
+        let unit = |n: usize| (0..n * n).map(|k| f64::from(u8::from(k / n == k % n))).collect::<Vec<_>>();
+        for code in 0..3usize.pow(5) {
+            let b: Vec<f64> = (0..5).map(|i| (code / 3usize.pow(i) % 3) as f64 - 1.0).collect();
+            check(5, &unit(5), &b);
+        }
+        let block = [0.25, 0.0, 0.0, 1.0, 0.0, 0.25, 0.0, 1.0, 0.0, 0.0, 0.25, 1.0, 0.0, 0.0, 0.0, 1.0];
+        check(4, &block, &[0.0, 0.0, 0.0, -0.25]);
     }
 
     #[test]

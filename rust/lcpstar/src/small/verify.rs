@@ -6,6 +6,10 @@
 //! has other units than `w_i`: with the equilibrated problem's entries below 2 and `|q'| < 1`, `m'_i <= 2 n max|z'| + 1`,
 //! and ratios `b_i / m_i` do not depend on the scaling, so `(2 n + 1) max_i b_i / m_i` bounds the scale-free residual
 //! without equilibrating.
+//!
+//! `certify` also bounds `max|min(z', w')|` itself on the equilibrated problem. `b_i <= 0.5e-6 |q_i|` in every row is enough for
+//! that in any units; where a row fails it, the bound is checked on the numbers as they are, if they are equilibrated
+//! already, and the slower path decides if not.
 
 use super::lane::{Lane, Mask};
 
@@ -40,6 +44,7 @@ pub fn verify<X: Lane, const N: usize>(n: usize, a: &[X], q: &[X], z: &[X], w: &
         allowed: largest_q.mul(X::splat(9.99 * tol)),
         largest_m: largest_q.mul(X::splat(LARGEST)),
         solved: X::Mask::ALL,
+        small: X::Mask::ALL,
         ratio: X::splat(0.0),
         natural: X::splat(0.0),
     };
@@ -52,7 +57,7 @@ pub fn verify<X: Lane, const N: usize>(n: usize, a: &[X], q: &[X], z: &[X], w: &
             }
         }
         for r in 0..4 {
-            rows.judge(z[i + r], w[i + r], m[r]);
+            rows.judge(q[i + r], z[i + r], w[i + r], m[r]);
         }
         i += 4;
     }
@@ -61,12 +66,47 @@ pub fn verify<X: Lane, const N: usize>(n: usize, a: &[X], q: &[X], z: &[X], w: &
         for j in 0..n {
             m = m.add_product(a[i * n + j].abs(), z[j]);
         }
-        rows.judge(z[i], w[i], m);
+        rows.judge(q[i], z[i], w[i], m);
         i += 1;
     }
     let residual = rows.ratio.mul(X::splat(2.0 * n as f64 + 1.0));
-    let solved = rows.solved.and(residual.le(X::splat(0.999 * tol)));
+    let mut solved = rows.solved.and(residual.le(X::splat(0.999 * tol)));
+    if solved.and(rows.small.not()).any() {
+        let within = rows.natural.le(largest_q.mul(X::splat(absolute(tol))));
+        solved = solved.and(rows.small.or(within.and(are_equilibrated::<X, N>(n, a))));
+    }
     Verdict { solved, residual, natural_residual: rows.natural }
+}
+
+/// In every row, `b_i` below this part of `|q_i|` keeps `max|min(z', w')|` below `ABSOLUTE` of `certify`, since `|q'| < 1`.
+const PART_OF_Q: f64 = 0.5e-6;
+
+/// What `max|min(z, w)|` may be, as a part of `max|q|`, on an equilibrated problem.
+#[inline(always)]
+fn absolute(tol: f64) -> f64 {
+    0.999 * tol.max(2.0 * PART_OF_Q)
+}
+
+/// Lanes whose rows and columns have their largest entry in [1/4, 2) already, or are zero.
+#[inline(always)]
+fn are_equilibrated<X: Lane, const N: usize>(n: usize, a: &[X]) -> X::Mask {
+    let n = if N == 0 { n } else { N };
+    let mut all = X::Mask::ALL;
+    for i in 0..n {
+        let (mut row, mut column) = (X::splat(0.0), X::splat(0.0));
+        for j in 0..n {
+            row = a[i * n + j].abs().max(row);
+            column = a[j * n + i].abs().max(column);
+        }
+        all = all.and(is_near_one(row)).and(is_near_one(column));
+    }
+    all
+}
+
+/// In [1/4, 2), or zero.
+#[inline(always)]
+fn is_near_one<X: Lane>(x: X) -> X::Mask {
+    X::splat(0.25).le(x).and(x.lt(X::splat(2.0))).or(x.eq(X::splat(0.0)))
 }
 
 /// The rows judged so far.
@@ -75,14 +115,16 @@ struct Rows<X: Lane> {
     allowed: X,
     largest_m: X,
     solved: X::Mask,
+    /// `b_i` is a small part of `|q_i|`.
+    small: X::Mask,
     ratio: X,
     natural: X,
 }
 
 impl<X: Lane> Rows<X> {
-    /// Row i: `z_i`, `w_i` and `m_i`. Not a closure: those are not compiled for the instruction set of their caller.
+    /// Row i: `q_i`, `z_i`, `w_i` and `m_i`. Not a closure: those are not compiled for the instruction set of their caller.
     #[inline(always)]
-    fn judge(&mut self, z: X, w: X, m: X) {
+    fn judge(&mut self, q: X, z: X, w: X, m: X) {
         let zero = X::splat(0.0);
         let (least, most) = (X::splat(MAGNITUDES.start), X::splat(MAGNITUDES.end));
         let e = self.rounding.mul(m);
@@ -90,6 +132,7 @@ impl<X: Lane> Rows<X> {
         let in_range = m.lt(most).and(least.lt(m).or(m.eq(zero)));
         let in_units = b.le(self.allowed.add_product(X::splat(7.9 * f64::EPSILON), m.min(self.largest_m)));
         self.solved = self.solved.and(in_range).and(in_units).and(zero.le(z));
+        self.small = self.small.and(b.le(q.abs().mul(X::splat(PART_OF_Q))));
         self.ratio = b.div(m.max(least)).max(self.ratio);
         self.natural = b.max(self.natural);
     }
@@ -119,7 +162,7 @@ pub fn verify_one<X: Lane<Number = f64>>(
     let rounding = 0.5 * (n as f64 + 2.0) * f64::EPSILON * 1.01;
     let largest_q = q.iter().fold(0.0, |m: f64, x| if x.abs() > m { x.abs() } else { m });
     let (allowed, largest_m) = (9.99 * tol * largest_q, LARGEST * largest_q);
-    let (mut solved, mut ratio, mut natural) = (true, 0.0_f64, 0.0_f64);
+    let (mut solved, mut small, mut ratio, mut natural) = (true, true, 0.0_f64, 0.0_f64);
     for i in 0..n {
         let (wi, m) = (q[i] + sums[i][0].sum(), q[i].abs() + sums[i][1].sum());
         let zi = z[i / X::LANES].get(i % X::LANES);
@@ -132,11 +175,39 @@ pub fn verify_one<X: Lane<Number = f64>>(
         };
         let in_range = m == 0.0 || MAGNITUDES.contains(&m);
         solved &= in_range && zi >= 0.0 && b <= allowed + 7.9 * f64::EPSILON * m.min(largest_m);
+        small &= b <= PART_OF_Q * q[i].abs();
         ratio = ratio.max(b / m.max(MAGNITUDES.start));
         natural = natural.max(b);
     }
+    if solved && !small {
+        solved = natural <= absolute(tol) * largest_q && is_equilibrated(n, width, a);
+    }
     let residual = (2.0 * n as f64 + 1.0) * ratio;
     Judged { solved: solved && residual <= 0.999 * tol, residual, natural_residual: natural }
+}
+
+/// Vectors per row up to which the columns are looked at.
+const WIDEST: usize = 32;
+
+/// [`are_equilibrated`] for one problem in padded rows.
+#[inline(always)]
+fn is_equilibrated<X: Lane<Number = f64>>(n: usize, width: usize, a: &[X]) -> bool {
+    if width > WIDEST {
+        return false;
+    }
+    let mut columns = [X::splat(0.0); WIDEST];
+    let mut all = true;
+    for row in a[..n * width].chunks_exact(width) {
+        let mut largest = X::splat(0.0);
+        for (a, m) in row.iter().zip(&mut columns) {
+            largest = a.abs().max(largest);
+            *m = a.abs().max(*m);
+        }
+        let largest = largest.largest();
+        all &= largest == 0.0 || (0.25..2.0).contains(&largest);
+    }
+    // Padding is zero.
+    columns[..width].iter().fold(all, |all, m| all & !is_near_one(*m).not().any())
 }
 
 /// What [`verify_one`] found.
