@@ -134,8 +134,9 @@ def summary(rows: list[Row]) -> str:
     unproved = [r.name for r in asked if r.proofs.get("none")]
     slowest = max(asked, key=lambda r: max(r.proof_seconds))
     return (
-        f"{total} problems in {len(rows)} files. Of {sum(r.count for r in solvable)} published as solvable {solved} "
-        f"are solved. Of {sum(r.count for r in asked)} solvable ones with n <= {PROVED_UP_TO}, {proved} have an exact proof"
+        f"{total} problems in {len(rows)} files. Of {sum(r.count for r in solvable)} published as solvable "
+        f"{solved} are solved. Of {sum(r.count for r in asked)} solvable ones with n <= {PROVED_UP_TO}, {proved} have "
+        "an exact proof"
         f"{' (not: ' + ', '.join(unproved) + ')' if unproved else ''}; the slowest proof took "
         f"{1e3 * max(slowest.proof_seconds):.0f} ms ({slowest.name}, n = {slowest.n})."
     )
@@ -154,8 +155,8 @@ then median (maximum). "ms" is processor time of `lcpstar.solve` with defaults, 
 {table}
 
 Answers that are `solved` without proof are solved to rounding: the last bits of A and q decide whether an exact
-solution exists, and none was found. An exact `infeasible` beside `solved` says that FEA(q, A) of the binary numbers is empty
-by less than rounding.
+solution exists, and none was found. An exact `infeasible` beside `solved` says that FEA(q, A) of the binary numbers is
+empty by less than rounding.
 """
 
 
