@@ -35,9 +35,7 @@ pub(super) fn prove(problem: &Equilibrated<'_>, mut solution: Solution, tol: f64
             {
                 let residual = solution.residual;
                 let mut solution = infeasible(solution, exact);
-                solution
-                    .message
-                    .push_str(&format!(": by less than rounding, z solves the problem with residual {residual:.2e}"));
+                solution.message.push_str(&format!("; z solves it only up to a residual of {residual:.2e}"));
                 return solution;
             }
         }
