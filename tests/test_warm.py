@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from lcp_checks import assert_solves
 
 import lcpstar
+from lcp_checks import assert_solves
 from lcpstar.problems import box_stack, degenerate, psd_half_rank, random_pd, random_spd
 
 PROBLEMS = {
@@ -33,7 +33,8 @@ def test_a_right_support_takes_no_pivot(name, method):
     assert warm.residual <= max(cold.residual, 1e-15)
 
 
-#: Pivots of the cold path, and their mean, and from supports with 1, 2, 3 wrong indices: a change is explained in the commit.
+#: Pivots of the cold path, and their mean from supports with 1, 2, 3 wrong indices: a change is explained in the
+#: commit.
 GOLDEN = {
     "random_pd": (29, 2.0, 3.0, 4.0),
     "random_spd": (19, 2.0, 3.0, 4.0),

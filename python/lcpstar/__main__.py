@@ -8,24 +8,12 @@ import sys
 from typing import Any
 
 from . import __version__
+from ._core import METHODS
 from .classes import add_classify_parser
 from .errors import FileFormatError, LCPError
 from .exploring import add_explore_parser
 from .files import read_problem
 from .solve import solve
-
-METHODS = (
-    "auto",
-    "lemke",
-    "lemke_howson",
-    "principal_pivoting",
-    "block_pivoting",
-    "chandrasekaran",
-    "enumerate",
-    "bilinear",
-    "interior_point",
-    "potential_reduction",
-)
 
 
 def main(argv: list[str] | None = None) -> int:

@@ -9,6 +9,7 @@ from .options import InteriorPointOptions, MethodOptions, PotentialReductionOpti
 from .result import Certificate, Ray, Status
 
 __all__ = [
+    "METHODS",
     "__version__",
     "batch_methods",
     "IntegerMatrix",
@@ -25,6 +26,7 @@ __all__ = [
     "solve_sparse",
 ]
 __version__: str
+METHODS: tuple[str, ...]
 
 @final
 class Solution:

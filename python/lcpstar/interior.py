@@ -139,8 +139,8 @@ def solve_sparse(
     """Solve LCP(q, A) for a `scipy.sparse` A by the interior point method, with sparse factorisations.
 
     Called by `lcpstar.solve`. Monotone A (A + A' PSD) is solved or certified infeasible; the residual is that of the
-    problem scaled to `D A D`. The cost of an iteration is one sparse factorisation of `A + D`. `certify="exact"` works on a
-    dense copy and raises TooLargeError for n > 2000.
+    problem scaled to `D A D`. The cost of an iteration is one sparse factorisation of `A + D`. `certify="exact"` works
+    on a dense copy and raises TooLargeError for n > 2000.
     """
     if method not in ("auto", "interior_point"):
         raise UnknownNameError(f"method must be one of auto, interior_point for a sparse A, got {method!r}")

@@ -1,6 +1,7 @@
 //! Python bindings of lcpstar: convert, leave the interpreter, wrap. No algorithm, no tolerance, no default.
 
 use pyo3::prelude::*;
+use pyo3::types::PyTuple;
 
 mod arrays;
 mod batch;
@@ -34,6 +35,7 @@ mod _core {
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        module.add("METHODS", PyTuple::new(module.py(), lcpstar::driver::Method::NAMES)?)?;
         module.add("__version__", env!("CARGO_PKG_VERSION"))
     }
 }

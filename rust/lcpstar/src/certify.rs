@@ -30,27 +30,43 @@ const ABSOLUTE: f64 = 1e-6;
 /// `|min(z, w)|_i <= 10 tol max|q| + 8 eps (|A||z| + |q|)_i` in every row; and every row within `tol` of its own numbers, see
 /// [`off_by`]. So neither a badly scaled row nor a badly chosen unit can hide an error; nor can a huge z, see `ABSOLUTE`.
 #[must_use]
-pub fn certify(problem: &Equilibrated<'_>, candidate: Candidate, method: &'static str, tol: f64) -> Solution {
-    let judged = judge(problem, candidate.z, tol);
-    let n = judged.z.len();
-    let (status, certificate) = if judged.solves {
-        (Status::Solved, None)
+pub fn certify(problem: &Equilibrated<'_>, mut candidate: Candidate, method: &'static str, tol: f64) -> Solution {
+    let judged = judge(problem, std::mem::take(&mut candidate.z), tol);
+    let ray = candidate.ray.as_ref().map(|ray| ray_to_caller(problem, ray));
+    let certificate = if judged.solves {
+        None
     } else if let Some(y) = farkas_vector(problem, candidate.farkas.as_deref(), candidate.ray.as_ref()) {
-        (Status::Infeasible, Some(Certificate::Infeasible { y, exact: None }))
+        Some(Certificate::Infeasible { y, exact: None })
     } else {
-        let proof = candidate.not_sufficient.and_then(|proof| insufficiency(problem, &proof));
-        (unsolved(candidate.termination), proof.map(Certificate::NotSufficient))
+        let proof = candidate.not_sufficient.take().and_then(|proof| insufficiency(problem, &proof));
+        proof.map(Certificate::NotSufficient)
+    };
+    let solution = conclude(judged, candidate, certificate, method, tol, |i, j| problem.original.row(i)[j]);
+    Solution { ray, ..solution }
+}
+
+/// The solution from the judgement on its point and the proof, if any, of what else it claims.
+fn conclude(
+    judged: Judged,
+    candidate: Candidate,
+    certificate: Option<Certificate>,
+    method: &'static str,
+    tol: f64,
+    entry: impl Fn(usize, usize) -> f64,
+) -> Solution {
+    let status = match certificate {
+        _ if judged.solves => Status::Solved,
+        Some(Certificate::Infeasible { .. }) => Status::Infeasible,
+        _ => unsolved(candidate.termination),
     };
     let alpha = match candidate.alpha {
-        Some(alpha) if status == Status::Solved => alpha,
-        _ => (0..n).filter(|&i| judged.z[i] > 0.0).collect(),
+        Some(alpha) if judged.solves => alpha,
+        _ => (0..judged.z.len()).filter(|&i| judged.z[i] > 0.0).collect(),
     };
-    let certificate = match status {
-        Status::Solved => Some(Certificate::Solution { alpha: alpha.clone(), exact: None }),
-        _ => certificate,
-    };
-    let message = explain(|i, j| problem.original.row(i)[j], status, candidate.termination, judged.residual, tol);
+    let certificate =
+        if judged.solves { Some(Certificate::Solution { alpha: alpha.clone(), exact: None }) } else { certificate };
     Solution {
+        message: explain(entry, status, candidate.termination, judged.residual, tol),
         z: judged.z,
         w: judged.w,
         status,
@@ -60,9 +76,8 @@ pub fn certify(problem: &Equilibrated<'_>, candidate: Candidate, method: &'stati
         natural_residual: judged.natural_residual,
         alpha,
         certificate,
-        ray: candidate.ray.map(|ray| ray_to_caller(problem, &ray)),
+        ray: None,
         pieces: vec![],
-        message,
     }
 }
 
@@ -163,36 +178,15 @@ pub fn certify_sparse(
     original: &SparseLcp,
     scaled: &SparseLcp,
     scaling: &Scaling,
-    candidate: Candidate,
+    mut candidate: Candidate,
     method: &'static str,
     tol: f64,
 ) -> Solution {
-    let judged = judge_point(scaling, max_abs(original.q()), candidate.z, tol, |z| scaled.slack(z));
-    let y = candidate.farkas.as_deref().and_then(normalised).filter(|y| is_sparse_farkas(scaled, y));
-    let support = (0..judged.z.len()).filter(|&i| judged.z[i] > 0.0).collect();
-    let (status, certificate, alpha) = if judged.solves {
-        let alpha: Vec<usize> = candidate.alpha.unwrap_or(support);
-        (Status::Solved, Some(Certificate::Solution { alpha: alpha.clone(), exact: None }), alpha)
-    } else if let Some(y) = y {
-        let y = scaling.multiplier_to_caller(&y);
-        (Status::Infeasible, Some(Certificate::Infeasible { y, exact: None }), support)
-    } else {
-        (unsolved(candidate.termination), None, support)
-    };
-    Solution {
-        z: judged.z,
-        w: judged.w,
-        status,
-        method,
-        iterations: candidate.iterations,
-        residual: judged.residual,
-        natural_residual: judged.natural_residual,
-        alpha,
-        certificate,
-        ray: None,
-        message: explain(|i, j| original.entry(i, j), status, candidate.termination, judged.residual, tol),
-        pieces: vec![],
-    }
+    let z = std::mem::take(&mut candidate.z);
+    let judged = judge_point(scaling, max_abs(original.q()), z, tol, |z| scaled.slack(z));
+    let farkas = candidate.farkas.as_deref().and_then(normalised).filter(|y| is_sparse_farkas(scaled, y));
+    let certificate = farkas.map(|y| Certificate::Infeasible { y: scaling.multiplier_to_caller(&y), exact: None });
+    conclude(judged, candidate, certificate, method, tol, |i, j| original.entry(i, j))
 }
 
 /// [`is_farkas`] by rows: plain sums, whose rounding is charged to `A'y`.

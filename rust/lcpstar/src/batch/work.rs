@@ -39,6 +39,7 @@ pub const METHODS: &[&str] = &[
     "lemke_howson",
     "lemke_double_double",
     "lemke_random_d",
+    "lemke_warm",
     "potential_reduction",
     "interior_point",
     "feasibility",
