@@ -1,0 +1,79 @@
+"""`lcpstar bench`: the benchmarks that run on a user's machine."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+from typing import Any
+
+from ..errors import MissingPackageError, OptionError
+from . import families, methods, tradeoff
+from .call import run as run_call
+from .measure import machine
+from .report import summary
+from .table import write_rows
+
+BENCHMARKS = {
+    "tradeoff": "every method at every tolerance on every family: time against achieved residual (about 10 minutes)",
+    "call": "what one call of solve costs, by size: cold, warm, in a batch (seconds)",
+}
+
+
+def add_bench_parser(subparsers: Any) -> argparse.ArgumentParser:
+    """Adds `lcpstar bench` to the command line."""
+    parser: argparse.ArgumentParser = subparsers.add_parser(
+        "bench", help="measure speed and accuracy on this machine", description=__doc__
+    )
+    parser.set_defaults(run=_list)
+    benchmarks = parser.add_subparsers(dest="benchmark", metavar="BENCHMARK")
+    trade = benchmarks.add_parser("tradeoff", help=BENCHMARKS["tradeoff"], description=tradeoff.__doc__)
+    trade.add_argument("--families", nargs="+", metavar="NAME", help=f"some of {', '.join(families.NAMES)}")
+    trade.add_argument("--methods", nargs="+", metavar="NAME", help=f"some of {'; '.join(methods.NAMES)}")
+    trade.add_argument("--quick", action="store_true", help="the smallest size, one seed, three tolerances")
+    trade.add_argument("--budget", type=float, default=480.0, metavar="SECONDS", help="for repetitions (default 480)")
+    trade.add_argument("--out", type=Path, default=Path("bench-tradeoff"), metavar="DIR", help="default bench-tradeoff")
+    trade.set_defaults(run=_tradeoff)
+    call = benchmarks.add_parser("call", help=BENCHMARKS["call"])
+    call.add_argument("--quick", action="store_true", help="small sizes, fewer repetitions")
+    call.set_defaults(run=_call)
+    return parser
+
+
+def _list(arguments: argparse.Namespace) -> int:
+    print("lcpstar bench BENCHMARK, one of:")
+    for name, text in BENCHMARKS.items():
+        print(f"  {name:<10} {text}")
+    return 0
+
+
+def _call(arguments: argparse.Namespace) -> int:
+    print(run_call(arguments.quick))
+    return 0
+
+
+def _tradeoff(arguments: argparse.Namespace) -> int:
+    names, entries = families.chosen(arguments.families), methods.chosen(arguments.methods)
+    if not arguments.budget > 0:
+        raise OptionError(f"budget must be positive, got {arguments.budget}")
+    folder: Path = arguments.out
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise OptionError(f"out must be a folder that can be made: {error}") from error
+    rows = list(tradeoff.run(names, entries, arguments.quick, arguments.budget, progress=True))
+    table = folder / "tradeoff.csv"
+    write_rows(table, rows)
+    text = f"# Work and precision\n\n{machine()}\n\n{summary(rows)}\n"
+    (folder / "tradeoff.md").write_text(text, encoding="utf-8")
+    print(text)
+    print(f"wrote {table}")
+    try:
+        from ..plots import figures, save
+
+        for name, figure in figures(rows).items():
+            save(figure, folder / f"{name}.png")
+        print(f"wrote plots beside it, {folder}")
+    except MissingPackageError as error:
+        print(f"no plots: {error}", file=sys.stderr)
+    return 0
