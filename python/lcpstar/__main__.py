@@ -13,6 +13,7 @@ from .classes import add_classify_parser
 from .errors import FileFormatError, LCPError
 from .exploring import add_explore_parser
 from .files import read_problem
+from .plotting import add_plot_parser
 from .solve import solve
 
 METHODS = (
@@ -38,6 +39,7 @@ def main(argv: list[str] | None = None) -> int:
     add_classify_parser(commands)
     add_explore_parser(commands)
     add_bench_parser(commands)
+    add_plot_parser(commands)
     paper = commands.add_parser("paper", help="recompute the paper: its example, Table 1, and every claim")
     paper.set_defaults(run=_paper)
     arguments = parser.parse_args(argv)
