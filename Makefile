@@ -13,7 +13,7 @@ export OMP_NUM_THREADS ?= 1
 
 RUST_SOURCES := $(shell find rust -name '*.rs') Cargo.toml Cargo.lock rust/lcpstar/Cargo.toml rust/lcpstar-py/Cargo.toml
 
-.PHONY: help demo build test test-rust test-python lint fmt bench bench-deps wheel docs all clean
+.PHONY: help demo build test test-rust test-python lint fmt bench bench-deps bench-tradeoff wheel docs all clean
 
 help: ## list the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 16
@@ -63,6 +63,9 @@ bench-deps: $(VENV)/.bench ## the peers that benchmarks compare with
 
 bench: build $(VENV)/.bench ## benchmarks beside peers, recorded in benches/record/
 	$(PY) benches/run.py
+
+bench-tradeoff: build ## every method at every tolerance, recorded with plots; about 10 minutes
+	$(PY) benches/tradeoff.py
 
 wheel: $(VENV)/.dev ## an abi3 wheel in dist/
 	$(BIN)/maturin build --profile dist --out dist

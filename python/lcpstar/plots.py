@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from .bench import families
+from .bench.drift import FALLEN, Step, by_method
 from .bench.table import Row, groups, seconds_to
 from .errors import MissingPackageError, OptionError
 
@@ -226,6 +227,34 @@ def _map_panel(axis: Any, rows: Sequence[Row], accuracy: float) -> Any:
     axis.set_xticks(range(len(values)), [f"1e{round(math.log10(value))}" for value in values], fontsize=8)
     axis.set_yticks(range(len(methods)), methods, fontsize=8)
     return picture
+
+
+def drift(steps: Sequence[Step]) -> Any:
+    """How far each method's stack has moved, and how long its steps took, over time: two panels."""
+    runs = by_method(steps)
+    if not runs:
+        raise OptionError("no steps to draw")
+    first = steps[0]
+    figure = new_figure(10.4, 4.6)
+    axes = figure.subplots(1, 2)
+    axes[0].set(ylabel="farthest that a box has moved [m]", ylim=(1e-12, 1e2))
+    axes[1].set(ylabel="seconds per step, all included")
+    for axis, quantity, line in zip(axes, ("drift", "step_seconds"), (FALLEN, first.budget), strict=True):
+        ends = []
+        for method, members in runs.items():
+            colour, dash, _ = STYLES.get(method, _OTHER)
+            heights = [min(max(getattr(step, quantity), 1e-12), 1e3) for step in members]
+            axis.plot([s.step for s in members], heights, dash, color=colour, lw=2.0 if method == "auto" else 1.1)
+            ends.append((float(members[-1].step), heights[-1], method, colour))
+        axis.set(xlabel="step", yscale="log")
+        axis.grid(True, lw=0.3, color="#cccccc")
+        axis.tick_params(labelsize=8)
+        axis.axhline(line, color="black", lw=0.6, ls=":")
+        axis.set_xlim(0, max(step.step for step in steps))
+        _label_ends(axis, ends)
+    stack = f"{first.boxes} boxes, the top {first.mass_ratio:.0e} times heavier"
+    figure.suptitle(f"{stack}, {1e3 * first.budget:.3g} ms to solve a step", fontsize=11)
+    return figure
 
 
 def figures(rows: Sequence[Row]) -> dict[str, Any]:

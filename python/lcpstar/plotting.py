@@ -6,6 +6,7 @@ import argparse
 from pathlib import Path
 from typing import Any
 
+from .bench.drift import is_drift, read_steps
 from .bench.table import is_table, read_rows
 from .errors import FileFormatError, OptionError
 from .files import read_problem
@@ -16,7 +17,9 @@ def add_plot_parser(subparsers: Any) -> argparse.ArgumentParser:
     parser: argparse.ArgumentParser = subparsers.add_parser(
         "plot", help="pictures of benchmark tables, and of LCPs of order 2", description=__doc__
     )
-    parser.add_argument("file", type=Path, metavar="FILE", help="tradeoff.csv, or an LCP of order 2 as for solve")
+    parser.add_argument(
+        "file", type=Path, metavar="FILE", help="tradeoff.csv, drift.csv, or an LCP of order 2 as for solve"
+    )
     parser.add_argument("q", type=Path, nargs="?", metavar="Q", help=".csv with q, when FILE holds the matrix alone")
     parser.add_argument("--out", type=Path, metavar="PATH", help="folder for a table's pictures; file for an LCP's")
     parser.add_argument("--svg", action="store_true", help=".svg instead of .png")
@@ -45,6 +48,10 @@ def _pictures(arguments: argparse.Namespace) -> list[tuple[Path, Any]]:
 
         folder = arguments.out or source.parent
         return [(folder / f"{name}{ending}", figure) for name, figure in figures(read_rows(source)).items()]
+    if source.suffix.lower() == ".csv" and source.is_file() and is_drift(source):
+        from .plots import drift
+
+        return [((arguments.out or source.parent) / f"drift{ending}", drift(read_steps(source)))]
     from .cones import picture
 
     A, q = read_problem(source, arguments.q)

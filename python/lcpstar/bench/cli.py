@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import MissingPackageError, OptionError
-from . import families, methods, tradeoff
+from . import drift, families, methods, tradeoff
 from .call import run as run_call
 from .measure import machine
 from .report import summary
@@ -16,6 +16,7 @@ from .table import write_rows
 
 BENCHMARKS = {
     "tradeoff": "every method at every tolerance on every family: time against achieved residual (about 10 minutes)",
+    "drift": "how far a stack moves that should stand, each method with the same time a step (2 minutes)",
     "call": "what one call of solve costs, by size: cold, warm, in a batch (seconds)",
 }
 
@@ -34,6 +35,14 @@ def add_bench_parser(subparsers: Any) -> argparse.ArgumentParser:
     trade.add_argument("--budget", type=float, default=480.0, metavar="SECONDS", help="for repetitions (default 480)")
     trade.add_argument("--out", type=Path, default=Path("bench-tradeoff"), metavar="DIR", help="default bench-tradeoff")
     trade.set_defaults(run=_tradeoff)
+    fall = benchmarks.add_parser("drift", help=BENCHMARKS["drift"], description=drift.__doc__)
+    fall.add_argument("--methods", nargs="+", metavar="NAME", help=f"some of {'; '.join(methods.NAMES)}")
+    fall.add_argument("--steps", type=int, default=1000, help="default 1000")
+    fall.add_argument("--budget-ms", type=float, default=16.0, help="to solve the LCPs of a step (default 16)")
+    fall.add_argument("--boxes", type=int, default=10, help="default 10")
+    fall.add_argument("--mass-ratio", type=float, default=1e6, help="of the top box (default 1e6)")
+    fall.add_argument("--out", type=Path, default=Path("bench-drift"), metavar="DIR", help="default bench-drift")
+    fall.set_defaults(run=_drift)
     call = benchmarks.add_parser("call", help=BENCHMARKS["call"])
     call.add_argument("--quick", action="store_true", help="small sizes, fewer repetitions")
     call.set_defaults(run=_call)
@@ -52,15 +61,50 @@ def _call(arguments: argparse.Namespace) -> int:
     return 0
 
 
+def _folder(path: Path) -> Path:
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise OptionError(f"out must be a folder that can be made: {error}") from error
+    return path
+
+
+def _drift(arguments: argparse.Namespace) -> int:
+    entries = [entry for entry in methods.chosen(arguments.methods) if entry.rung == "float64"]
+    for name in ("steps", "budget_ms", "boxes", "mass_ratio"):
+        if not getattr(arguments, name) > 0:
+            raise OptionError(f"{name} must be positive, got {getattr(arguments, name)}")
+    folder = _folder(arguments.out)
+    steps = list(
+        drift.run(
+            entries,
+            arguments.steps,
+            arguments.budget_ms / 1e3,
+            arguments.boxes,
+            arguments.mass_ratio,
+            progress=True,
+        )
+    )
+    drift.write_steps(folder / "drift.csv", steps, every=max(1, arguments.steps // 100))
+    text = f"# Drift of a stack\n\n{machine()}\n\n{drift.drift_table(steps, arguments.steps)}\n"
+    (folder / "drift.md").write_text(text, encoding="utf-8")
+    print(text)
+    print(f"wrote {folder / 'drift.csv'}")
+    try:
+        from ..plots import drift as drawn
+        from ..plots import save
+
+        print(f"wrote {save(drawn(steps), folder / 'drift.png')}")
+    except MissingPackageError as error:
+        print(f"no plot: {error}", file=sys.stderr)
+    return 0
+
+
 def _tradeoff(arguments: argparse.Namespace) -> int:
     names, entries = families.chosen(arguments.families), methods.chosen(arguments.methods)
     if not arguments.budget > 0:
         raise OptionError(f"budget must be positive, got {arguments.budget}")
-    folder: Path = arguments.out
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise OptionError(f"out must be a folder that can be made: {error}") from error
+    folder = _folder(arguments.out)
     rows = list(tradeoff.run(names, entries, arguments.quick, arguments.budget, progress=True))
     table = folder / "tradeoff.csv"
     write_rows(table, rows)

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from .. import problems
+from .. import problems, scenes
 from ..coerce import Matrix, Vector
 from ..errors import UnknownNameError
 from ..problems import Problem
@@ -64,6 +64,14 @@ def american_put(n: int, seed: int) -> Problem:
     return A, A @ payoff - known
 
 
+def settled(scene: scenes.Scene, seed: int) -> Problem:
+    """The largest LCP of the scene after 20 steps (40 with the next seed): in motion, no two contacts alike."""
+    stepper = scenes.Stepper(scene, method="interior_point")
+    for _ in range(20 * seed):
+        stepper.step()
+    return scenes.lcp(scene)
+
+
 FAMILIES: tuple[Family, ...] = (
     Family("random_spd", "random, symmetric positive definite", problems.random_spd, (16, 64, 256)),
     Family("psd_half_rank", "random, PSD of rank n/2", problems.psd_half_rank, (16, 64, 256)),
@@ -74,8 +82,18 @@ FAMILIES: tuple[Family, ...] = (
         lambda k, s: problems.box_stack(k, 1e6, seed=s),
         (4, 16, 50),
     ),
-    Family("sphere_pile", "pile of spheres, equal masses", lambda k, s: problems.sphere_pile(k, 1.0, s), (8, 32, 100)),
-    Family("friction", "contacts with friction (Stewart-Trinkle)", problems.stewart_trinkle, (4, 12, 40)),
+    Family("sphere_pile", "pile of spheres, equal masses", lambda k, s: problems.sphere_pile(k, 1.0, s), (8, 32, 150)),
+    Family("friction", "contacts with friction (Stewart-Trinkle)", problems.stewart_trinkle, (4, 12, 50)),
+    Family(
+        "heavy_on_light",
+        "scene: heavy box on light ones, mass ratio 1e6, friction",
+        lambda k, s: settled(scenes.heavy_on_light(k, mass_ratio=1e6), s),
+        (3, 10, 25),
+    ),
+    Family(
+        "pyramid_wall", "scene: wall of bricks, friction", lambda k, s: settled(scenes.pyramid_wall(k), s), (2, 4, 6)
+    ),
+    Family("arch", "scene: masonry arch, friction", lambda k, s: settled(scenes.arch(k), s), (5, 11, 25)),
     Family("degenerate", "degenerate, PSD with integers", problems.degenerate, (16, 64, 128)),
     Family("badly_scaled", "badly scaled, rows and columns times 10^(-8..8)", problems.badly_scaled, (16, 64)),
     Family("obstacle", "string over an obstacle", lambda n, s: problems.obstacle_1d(n), (16, 64, 256)),
