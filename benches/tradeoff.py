@@ -1,7 +1,7 @@
 """Work and precision of every method, and the drift of a stack: `python benches/tradeoff.py [--redraw]`.
 
-Writes `benches/record/tradeoff.csv`, `drift.csv`, `tradeoff.md` and the figures of `docs/figures/`; with `--redraw`, the
-tables and figures again from the recorded rows. With `LCPSTAR_CORPUS` set, published contact problems are measured, too.
+Writes `benches/record/tradeoff.csv`, `drift.csv`, `tradeoff.md` and the figures of `docs/figures/`; with `--redraw`,
+the tables and figures again from the recorded rows. `LCPSTAR_CORPUS` adds published contact problems.
 """
 
 from __future__ import annotations

@@ -6,6 +6,7 @@ import csv
 import math
 import subprocess
 import sys
+from dataclasses import replace
 from fractions import Fraction
 
 import numpy as np
@@ -13,7 +14,7 @@ import pytest
 
 import lcpstar
 from lcpstar import problems
-from lcpstar.bench import families, methods, report, table, tradeoff
+from lcpstar.bench import drift, families, methods, report, table, tradeoff
 from lcpstar.bench.measure import Yardstick, affine
 from lcpstar.errors import FileFormatError, UnknownNameError
 
@@ -163,6 +164,37 @@ def test_ratios_count_what_was_achieved_not_what_was_asked():
     assert table.best_single(rows[2:], 1e-3, methods.SINGLE) == ("", math.inf)
 
 
+@pytest.mark.parametrize(("budget", "outcome"), [(500, "stands"), (1e-6, "fallen at step")])
+def test_a_light_stack_stands_and_falls_without_time_to_solve(tmp_path, budget, outcome):
+    run = command(
+        "bench", "drift", "--boxes", "3", "--mass-ratio", "10", "--steps", "30", "--budget-ms", budget,
+        "--methods", "interior_point", "auto, exact", "--out", tmp_path,
+    )  # fmt: skip
+    assert run.returncode == 0, run.stderr
+    runs = drift.by_method(drift.read_steps(tmp_path / "drift.csv"))
+    assert list(runs) == ["interior_point"]  # the rungs of auto are not compared
+    steps = runs["interior_point"]
+    assert [step.step for step in steps] == list(range(1, 31))
+    assert f"| interior_point | {outcome}" in (tmp_path / "drift.md").read_text()
+    if outcome == "stands":
+        assert all(step.solved and step.drift < 1e-6 for step in steps)
+    else:
+        assert not any(step.solved for step in steps)
+        assert max(step.drift for step in steps) > drift.FALLEN
+
+
+def test_drift_written_in_part_keeps_the_last_step(tmp_path):
+    step = drift.Step("auto", 0.016, 10, 1e6, 1, 1e-9, 0.0, 1e-12, 1, 1e-3, 2e-3)
+    steps = [replace(step, step=k) for k in range(1, 26)]
+    drift.write_steps(tmp_path / "d.csv", steps, every=10)
+    assert [s.step for s in drift.read_steps(tmp_path / "d.csv")] == [10, 20, 25]
+    assert drift.is_drift(tmp_path / "d.csv")
+    assert not table.is_table(tmp_path / "d.csv")
+    (tmp_path / "other.csv").write_text("method,step\nauto,1\n")
+    with pytest.raises(FileFormatError):
+        drift.read_steps(tmp_path / "other.csv")
+
+
 def test_bench_lists_and_bad_names_give_status_2_and_one_line(tmp_path):
     listed = command("bench")
     assert listed.returncode == 0
@@ -173,6 +205,8 @@ def test_bench_lists_and_bad_names_give_status_2_and_one_line(tmp_path):
         assert (run.returncode, len(run.stderr.splitlines())) == (2, 1), run.stderr
         assert not (tmp_path / "none").exists()
     assert command("bench", "nonsense").returncode == 2
+    run = command("bench", "drift", "--steps", "0", "--out", tmp_path / "none")
+    assert (run.returncode, len(run.stderr.splitlines())) == (2, 1), run.stderr
     (tmp_path / "file").write_text("")
     run = command("bench", "tradeoff", "--out", tmp_path / "file" / "folder")
     assert (run.returncode, len(run.stderr.splitlines())) == (2, 1), run.stderr

@@ -6,12 +6,13 @@ import json
 import math
 import subprocess
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from lcpstar import cones, plots
-from lcpstar.bench import families, methods, tradeoff
+from lcpstar.bench import drift, families, methods, tradeoff
 from lcpstar.bench.table import write_rows
 from lcpstar.errors import OptionError, ShapeError
 from test_bench_cli import command, row
@@ -101,6 +102,22 @@ def test_picture_of_order_two(tmp_path):
         cones.picture(np.eye(3), np.ones(3))
     for A, q in (([[1, -1], [-1, 1]], [-1, 1]), ([[0, 0], [0, 0]], [0, 0]), ([[-1, 0], [0, -1]], [-1, -1])):
         plots.save(cones.picture(A, q), tmp_path / "p.png")
+
+
+def test_drift_picture(tmp_path):
+    pytest.importorskip("matplotlib", reason=HINT)
+    step = drift.Step("auto", 0.016, 10, 1e6, 1, 1e-9, 0.0, 1e-12, 1, 1e-3, 2e-3)
+    steps = [replace(step, step=k) for k in range(1, 20)]
+    steps += [replace(step, method="lemke", step=k, drift=1e-3 * 10**k) for k in range(1, 5)]
+    drift.write_steps(tmp_path / "drift.csv", steps)
+    run = command("plot", tmp_path / "drift.csv")
+    assert run.returncode == 0, run.stderr
+    assert (tmp_path / "drift.png").stat().st_size > 3_000
+    left, right = plots.drift(steps).axes
+    assert left.lines[1].get_ydata().tolist() == pytest.approx([0.01, 0.1, 1.0, 10.0])
+    assert [text.get_text() for text in right.get_yticklabels()] == ["lemke", "auto"]
+    with pytest.raises(OptionError):
+        plots.drift([])
 
 
 def test_command_line(rows, tmp_path):

@@ -106,16 +106,16 @@ def _work_precision_panel(axis: Any, rows: Sequence[Row]) -> None:
 
 def _label_ends(axis: Any, ends: Sequence[tuple[float, float, str, str]]) -> None:
     """Names beside the axis at the height of the last point of each line, moved apart where they would touch."""
-    low, high = (math.log(limit) for limit in axis.get_ylim())
-    ordered = sorted(ends, key=lambda end: end[1])
-    heights = [(math.log(y) - low) / (high - low) for _, y, _, _ in ordered]
-    for (x, y, name, colour), height in zip(ordered, spread(heights, 0.052), strict=True):
+    to_axes = axis.transScale + axis.transLimits
+    placed = sorted((float(to_axes.transform((x, y))[1]), x, y, name, colour) for x, y, name, colour in ends)
+    heights = spread([height for height, *_ in placed], 0.052)
+    for (_, x, y, name, colour), height in zip(placed, heights, strict=True):
         axis.annotate(
             name,
             (x, y),
             xytext=(1.03, height),
             textcoords="axes fraction",
-            color=colour if colour != "#56B4E9" else "#2a85b8",
+            color=colour if colour != "#56B4E9" else "#2a85b8",  # the light blue is hard to read
             fontsize=7.5,
             va="center",
             annotation_clip=False,
@@ -184,19 +184,7 @@ def _profile_panel(axis: Any, problems: Sequence[Sequence[Row]], accuracy: float
     axis.set(xscale="log", xlim=(1, farthest), ylim=(0, 1.02), xlabel="time / fastest time")
     axis.grid(True, lw=0.3, color="#cccccc")
     axis.tick_params(labelsize=8)
-    ordered = sorted(ends, key=lambda end: end[1])
-    for (_, y, name, colour), height in zip(ordered, spread([y for _, y, _, _ in ordered], 0.055), strict=True):
-        axis.annotate(
-            name,
-            (1.0, y / 1.02),
-            xycoords="axes fraction",
-            xytext=(1.04, height / 1.02),
-            textcoords="axes fraction",
-            fontsize=7.5,
-            va="center",
-            color=colour if colour != "#56B4E9" else "#2a85b8",
-            arrowprops={"arrowstyle": "-", "lw": 0.4, "color": colour, "shrinkA": 0, "shrinkB": 0},
-        )
+    _label_ends(axis, ends)
 
 
 def success_map(rows: Sequence[Row], accuracy: float = 1e-6) -> Any:
@@ -230,28 +218,38 @@ def _map_panel(axis: Any, rows: Sequence[Row], accuracy: float) -> Any:
 
 
 def drift(steps: Sequence[Step]) -> Any:
-    """How far each method's stack has moved, and how long its steps took, over time: two panels."""
+    """How far each method's stack has moved over the steps, and how long its steps took: median to 99 of 100."""
     runs = by_method(steps)
     if not runs:
         raise OptionError("no steps to draw")
     first = steps[0]
-    figure = new_figure(10.4, 4.6)
-    axes = figure.subplots(1, 2)
-    axes[0].set(ylabel="farthest that a box has moved [m]", ylim=(1e-12, 1e2))
-    axes[1].set(ylabel="seconds per step, all included")
-    for axis, quantity, line in zip(axes, ("drift", "step_seconds"), (FALLEN, first.budget), strict=True):
-        ends = []
-        for method, members in runs.items():
-            colour, dash, _ = STYLES.get(method, _OTHER)
-            heights = [min(max(getattr(step, quantity), 1e-12), 1e3) for step in members]
-            axis.plot([s.step for s in members], heights, dash, color=colour, lw=2.0 if method == "auto" else 1.1)
-            ends.append((float(members[-1].step), heights[-1], method, colour))
-        axis.set(xlabel="step", yscale="log")
+    figure = new_figure(11.0, 4.6)
+    left, right = figure.subplots(1, 2, width_ratios=(3, 2))
+    ends = []
+    for method, members in runs.items():
+        colour, dash, _ = STYLES.get(method, _OTHER)
+        heights = [min(max(step.drift, 1e-12), 10.0) for step in members]
+        left.plot([s.step for s in members], heights, dash, color=colour, lw=2.0 if method == "auto" else 1.1)
+        ends.append((float(members[-1].step), heights[-1], method, colour))
+    left.axhline(FALLEN, color="black", lw=0.6, ls=":")
+    left.set(yscale="log", ylim=(1e-12, 20.0), xlim=(0, max(step.step for step in steps)), xlabel="step")
+    left.set_ylabel("farthest that a box has moved [m]")
+    _label_ends(left, ends)
+    for place, (method, members) in enumerate(reversed(runs.items())):
+        colour = STYLES.get(method, _OTHER)[0]
+        times = sorted(1e3 * step.step_seconds for step in members)
+        span = times[len(times) // 2], times[min(len(times) - 1, int(0.99 * len(times)))]
+        right.plot(span, (place, place), "-", color=colour, lw=2)
+        right.plot(span[0], place, "o", color=colour, ms=5)
+    right.axvline(1e3 * first.budget, color="black", lw=0.6, ls=":")
+    right.set_yticks(range(len(runs)), list(reversed(runs)), fontsize=8)
+    fastest, slowest = (1e3 * pick(step.step_seconds for step in steps) for pick in (min, max))
+    right.set(xscale="log", xlabel="ms per step, all included", xlim=(fastest / 1.5, 1.5 * slowest))
+    ticks = [tick for tick in (0.1, 0.3, 1, 3, 10, 30, 100, 300) if fastest / 1.5 <= tick <= 1.5 * slowest]
+    right.set_xticks(ticks, map(str, ticks))
+    right.minorticks_off()
+    for axis in (left, right):
         axis.grid(True, lw=0.3, color="#cccccc")
-        axis.tick_params(labelsize=8)
-        axis.axhline(line, color="black", lw=0.6, ls=":")
-        axis.set_xlim(0, max(step.step for step in steps))
-        _label_ends(axis, ends)
     stack = f"{first.boxes} boxes, the top {first.mass_ratio:.0e} times heavier"
     figure.suptitle(f"{stack}, {1e3 * first.budget:.3g} ms to solve a step", fontsize=11)
     return figure
