@@ -255,7 +255,7 @@ def _dense(bodies: Indices, S: Matrix, places: Indices) -> Matrix:
         at = places[bodies[:, side]]
         on = np.flatnonzero((bodies[:, side] >= 0) & (at >= 0))
         out[on, at[on]] += S[on, side]
-    return out.reshape(len(S), -1)
+    return out.reshape(len(S), out.shape[1] * D)
 
 
 def _gram(bodies: Indices, S: Matrix, ends: Indices, which: Sequence[int]) -> dict[int, Matrix]:

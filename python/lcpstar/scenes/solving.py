@@ -75,7 +75,7 @@ def _guess(guess: Vector | None, island: Island) -> Vector:
 
 
 def _batch(islands: Sequence[Island], z0: list[Vector], tol: float) -> list[Answer]:
-    sols = solve_batch([island.A for island in islands], [island.q for island in islands], tol=tol, threads=1, z0=z0)
+    sols = solve_batch([(island.A, island.q) for island in islands], tol=tol, threads=1, z0=z0)
     ends = np.concatenate([[0], np.cumsum([len(island.q) for island in islands])])
     methods = sols.method
     return [
