@@ -14,7 +14,8 @@ from harness import RECORD, environment
 from lcpstar import plots
 from lcpstar.bench import drift, families, methods, report, table, tradeoff
 
-FIGURES = Path(__file__).parent.parent / "docs" / "figures"
+DOCS = Path(__file__).parent.parent / "docs"
+FIGURES, GUIDE = DOCS / "figures", DOCS / "guide.md"
 BUDGET = 420.0
 STEPS = 1000
 #: What the guide shows of the work-precision diagrams.
@@ -27,6 +28,34 @@ def measure() -> tuple[list[table.Row], list[drift.Step], float]:
     entries = [entry for entry in methods.chosen(None) if entry.rung == "float64"]
     steps = list(drift.run(entries, STEPS, progress=True))
     return rows, steps, time.monotonic() - begin
+
+
+def blocks(rows: list[table.Row], stack: str) -> dict[str, str]:
+    """The tables that the guide shows, by the name of their place in it."""
+    kinds = {"float": "the answer at 1e-10", "exact": "the proved answer"}
+    ratios = report.loose_ratios(rows)
+    medians = [
+        f"{table.middle(values):.1f} times faster than {kinds[kind]} ({len(values)} problems)"
+        for kind, values in ratios.items()
+        if values
+    ]
+    return {
+        "fastest": report.fastest_table(rows),
+        "auto": report.auto_table(rows),
+        "auto warm": report.auto_table(rows, "warm"),
+        "reach": report.reach_table(rows),
+        "loose": f"Median: {'; '.join(medians)}.\n\n{report.loose_table(rows)}",
+        "stack": stack,
+    }
+
+
+def fill(text: str, tables: dict[str, str]) -> str:
+    """The guide with each table between its markers `<!-- NAME -->` and `<!-- end -->`."""
+    for name, content in tables.items():
+        before, after = text.split(f"<!-- {name} -->\n", 1)
+        after = after.split("<!-- end -->", 1)[1]
+        text = f"{before}<!-- {name} -->\n{content}\n<!-- end -->{after}"
+    return text
 
 
 def main(redraw: bool) -> None:
@@ -45,6 +74,8 @@ def main(redraw: bool) -> None:
         )
     rows, steps = table.read_rows(rows_file), drift.read_steps(steps_file)
     text_file.write_text(heading + "## Summary\n\n" + report.summary(rows) + "\n", encoding="utf-8")
+    stack = heading[heading.index("| method") :].strip()
+    GUIDE.write_text(fill(GUIDE.read_text(encoding="utf-8"), blocks(rows, stack)), encoding="utf-8")
     FIGURES.mkdir(exist_ok=True)
     figures = {f"work_precision_{name}": plots.work_precision(rows, name) for name in SHOWN}
     figures |= {"profiles": plots.profiles(rows), "profiles_warm": plots.profiles(rows, start="warm")}

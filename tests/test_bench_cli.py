@@ -39,7 +39,6 @@ def row(method, seconds, residual, tol=1e-3, problem="16", status="solved", fami
         seconds,
         residual,
         residual,
-        residual,
         3,
         status,
         method,

@@ -33,7 +33,6 @@ class Row:
     seconds: float
     residual: float
     stated: float
-    natural: float
     iterations: int
     status: str
     answered_by: str
@@ -46,7 +45,7 @@ class Row:
 
 _NAMES = [field.name for field in fields(Row)]
 _NUMBERS = {"n": int, "instances": int, "solved": int, "iterations": int}
-_REALS = ("parameter", "tol", "seconds", "residual", "stated", "natural")
+_REALS = ("parameter", "tol", "seconds", "residual", "stated")
 
 
 def write_rows(path: Path, rows: Iterable[Row]) -> None:

@@ -19,6 +19,8 @@ from .table import Row
 
 TOLERANCES = (1e-1, 1e-2, 1e-3, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 1e-14)
 QUICK_TOLERANCES = (1e-2, 1e-6, 1e-12)
+WARM_TOLERANCES = (1e-1, 1e-3, 1e-6, 1e-12)
+CORPUS_TOLERANCES = (1e-1, 1e-3, 1e-6, 1e-10, 1e-12)
 PROOF_TOLERANCES = (1e-10,)  # a proof does not depend on it
 SWEEP_TOLERANCES = (1e-8,)
 STARTS = ("cold", "warm")
@@ -87,7 +89,6 @@ class _Cell:
             seconds=median(times),
             residual=max(case.yardstick.residual(solution.z) for case, solution in answers),
             stated=max(solution.residual for solution in self.solutions),
-            natural=max(case.yardstick.natural(solution.z) for case, solution in answers),
             iterations=int(median(solution.iterations for solution in self.solutions)),
             status=str(next((s.status for s in self.solutions if not s.success), self.solutions[0].status)),
             answered_by=self.solutions[0].method,
@@ -122,7 +123,7 @@ def _measure(name: str, group: Group, start: str, entries: Sequence[Entry], quic
     deadline = time.monotonic() + share
     cases = [_case(A, q, start, seed) for seed, (A, q) in enumerate(group.instances)]
     sweep = name in families.SWEEPS
-    tolerances = SWEEP_TOLERANCES if sweep else QUICK_TOLERANCES if quick else TOLERANCES
+    tolerances = _tolerances(name, start, quick)
     cells: list[_Cell] = []
     for entry in entries:
         if entry.rung != "float64" and start == "warm":
@@ -140,6 +141,16 @@ def _measure(name: str, group: Group, start: str, entries: Sequence[Entry], quic
                 break
             cell.repeat(cases)
     return [cell.row(name, group, start, cases) for cell in cells]
+
+
+def _tolerances(name: str, start: str, quick: bool) -> tuple[float, ...]:
+    if name in families.SWEEPS:
+        return SWEEP_TOLERANCES
+    if quick:
+        return QUICK_TOLERANCES
+    if start == "warm":
+        return WARM_TOLERANCES
+    return CORPUS_TOLERANCES if name == families.CORPUS_CONTACT else TOLERANCES
 
 
 def _case(A: Matrix, q: Vector, start: str, seed: int) -> _Case:
