@@ -6,8 +6,6 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from .bench.drift import is_drift, read_steps
-from .bench.table import is_table, read_rows
 from .errors import FileFormatError, OptionError
 from .files import read_problem
 
@@ -41,6 +39,9 @@ def run_plot(arguments: argparse.Namespace) -> int:
 
 
 def _pictures(arguments: argparse.Namespace) -> list[tuple[Path, Any]]:
+    from .bench.drift import is_drift, read_steps
+    from .bench.table import is_table, read_rows
+
     source: Path = arguments.file
     ending = ".svg" if arguments.svg else ".png"
     if source.suffix.lower() == ".csv" and source.is_file() and is_table(source):

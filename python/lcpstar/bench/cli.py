@@ -1,4 +1,4 @@
-"""`lcpstar bench`: the benchmarks that run on a user's machine."""
+"""`lcpstar bench`: the benchmarks that run on a user's machine. They are loaded when one is run."""
 
 from __future__ import annotations
 
@@ -8,11 +8,6 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import MissingPackageError, OptionError
-from . import drift, families, methods, tradeoff
-from .call import run as run_call
-from .measure import machine
-from .report import summary
-from .table import write_rows
 
 BENCHMARKS = {
     "tradeoff": "every method at every tolerance on every family: time against achieved residual (about 10 minutes)",
@@ -28,15 +23,15 @@ def add_bench_parser(subparsers: Any) -> argparse.ArgumentParser:
     )
     parser.set_defaults(run=_list)
     benchmarks = parser.add_subparsers(dest="benchmark", metavar="BENCHMARK")
-    trade = benchmarks.add_parser("tradeoff", help=BENCHMARKS["tradeoff"], description=tradeoff.__doc__)
-    trade.add_argument("--families", nargs="+", metavar="NAME", help=f"some of {', '.join(families.NAMES)}")
-    trade.add_argument("--methods", nargs="+", metavar="NAME", help=f"some of {'; '.join(methods.NAMES)}")
+    trade = benchmarks.add_parser("tradeoff", help=BENCHMARKS["tradeoff"])
+    trade.add_argument("--families", nargs="+", metavar="NAME", help="some of those that `lcpstar bench` lists")
+    trade.add_argument("--methods", nargs="+", metavar="NAME", help="some of those that `lcpstar bench` lists")
     trade.add_argument("--quick", action="store_true", help="the smallest size, one seed, three tolerances")
     trade.add_argument("--budget", type=float, default=480.0, metavar="SECONDS", help="for repetitions (default 480)")
     trade.add_argument("--out", type=Path, default=Path("bench-tradeoff"), metavar="DIR", help="default bench-tradeoff")
     trade.set_defaults(run=_tradeoff)
-    fall = benchmarks.add_parser("drift", help=BENCHMARKS["drift"], description=drift.__doc__)
-    fall.add_argument("--methods", nargs="+", metavar="NAME", help=f"some of {'; '.join(methods.NAMES)}")
+    fall = benchmarks.add_parser("drift", help=BENCHMARKS["drift"])
+    fall.add_argument("--methods", nargs="+", metavar="NAME", help="some of those that `lcpstar bench` lists")
     fall.add_argument("--steps", type=int, default=1000, help="default 1000")
     fall.add_argument("--budget-ms", type=float, default=16.0, help="to solve the LCPs of a step (default 16)")
     fall.add_argument("--boxes", type=int, default=10, help="default 10")
@@ -50,14 +45,22 @@ def add_bench_parser(subparsers: Any) -> argparse.ArgumentParser:
 
 
 def _list(arguments: argparse.Namespace) -> int:
+    from . import families, methods
+
     print("lcpstar bench BENCHMARK, one of:")
     for name, text in BENCHMARKS.items():
         print(f"  {name:<10} {text}")
+    print("\nfamilies of tradeoff:")
+    for name in families.NAMES:
+        print(f"  {name:<18} {families.TITLES[name]}")
+    print(f"\nmethods: {'; '.join(methods.NAMES)}")
     return 0
 
 
 def _call(arguments: argparse.Namespace) -> int:
-    print(run_call(arguments.quick))
+    from .call import run
+
+    print(run(arguments.quick))
     return 0
 
 
@@ -70,6 +73,9 @@ def _folder(path: Path) -> Path:
 
 
 def _drift(arguments: argparse.Namespace) -> int:
+    from . import drift, methods
+    from .measure import machine
+
     entries = [entry for entry in methods.chosen(arguments.methods) if entry.rung == "float64"]
     for name in ("steps", "budget_ms", "boxes", "mass_ratio"):
         if not getattr(arguments, name) > 0:
@@ -101,6 +107,11 @@ def _drift(arguments: argparse.Namespace) -> int:
 
 
 def _tradeoff(arguments: argparse.Namespace) -> int:
+    from . import families, methods, tradeoff
+    from .measure import machine
+    from .report import summary
+    from .table import write_rows
+
     names, entries = families.chosen(arguments.families), methods.chosen(arguments.methods)
     if not arguments.budget > 0:
         raise OptionError(f"budget must be positive, got {arguments.budget}")
