@@ -70,6 +70,9 @@ class Island:
         return z[:k], tangential
 
 
+_EPS = float(np.finfo(float).eps)
+
+
 class System:
     """A scene and its contacts at one moment: rows, free velocity, and from them islands and velocities.
 
@@ -77,7 +80,8 @@ class System:
     its A densely, and with m joint rows adds a singular value decomposition, O(m^2 (m + bodies)).
     """
 
-    def __init__(self, scene: Scene, contacts: Contacts, settings: Stepping) -> None:
+    def __init__(self, scene: Scene, contacts: Contacts, settings: Stepping, error: Matrix | None = None) -> None:
+        """`error` (n, D): bounds of the rounding errors in the scene's velocities, from `System.rounding`."""
         self.scene, self.contacts, self.settings = scene, contacts, settings
         self.masses = Masses(scene)
         self.normals, self.tangents = contact_rows(scene, self.masses, contacts)
@@ -89,7 +93,8 @@ class System:
         self.free = self._free_velocity()
         self.joint_target = settings.stabilisation / settings.dt * apart
         self.b = self._targets()
-        self.at_rest = self.normals.times(self.free) + self.b  # w_n without impulses
+        self.error = np.zeros_like(self.u) if error is None else error
+        self.at_rest = self._without_noise(self.normals, self.free, self.b)  # w_n without impulses
 
     def _free_velocity(self) -> Matrix:
         scene, dt = self.scene, self.settings.dt
@@ -110,6 +115,17 @@ class System:
         arrives = gap + settings.dt * self.normals.times(self.free) < 0
         bounces = (self.contacts.restitution > 0) & (before < -settings.bounce_speed) & arrives
         return np.where(bounces, np.minimum(b, self.contacts.restitution * before), b)
+
+    def _without_noise(self, rows: Rows, u: Matrix, b: Vector) -> Vector:
+        """`J u + b`, 0 where it is below the rounding errors of the last step's velocities and of the gaps.
+
+        Redundant contacts take noise for motion: every step would look for another basis.
+        """
+        value = rows.times(u) + b
+        size = np.abs(self.scene.position).max(axis=1, initial=0.0) + self.scene.radius
+        of_gap = 8 * _EPS * np.where(rows.bodies >= 0, size[rows.bodies], 0.0).sum(axis=1) / self.settings.dt
+        noise = rows.rounding_times(self.error) + of_gap
+        return np.where(np.abs(value) <= noise, 0.0, value)
 
     def may_act(self) -> NDArray[np.bool_]:
         """Contacts that are not left out at first."""
@@ -134,14 +150,13 @@ class System:
         joints = _grouped(of_joint, len(which))
         bodies = _grouped(position[:-1], len(which))
         rough = self.contacts.friction > 0
-        rows, counts, rubbings = [], [], []
+        rows, rubbings = [], []
         for c in contacts:
             rubbing = np.flatnonzero(rough[c])
             tangents = (self.T * c[rubbing][:, None] + np.arange(self.T)).ravel()
             rows.append(np.concatenate([c, len(self.contacts) + tangents]))
-            counts.append(len(rows[-1]))
             rubbings.append(rubbing)
-        bases = self._products(rows, counts, joints)
+        bases = self._products(rows, joints)
         result = []
         for k in range(len(which)):
             B, drift = bases[k]
@@ -162,30 +177,27 @@ class System:
                 along = along + tangential[:, None, t] * self.directions[:, t]
             drift = np.concatenate([drift[:k], along.ravel(), np.zeros(m)])
             B = with_sliding_speeds(B, k, rubbing, self.contacts.friction[contacts[rubbing]], facets)
-        q = drift
-        q[:k] = q[:k] + self.b[contacts]
-        return Island(bodies, contacts, rubbing, joints, B, q, self.directions)
+        return Island(bodies, contacts, rubbing, joints, B, drift, self.directions)
 
-    def _products(self, rows: list[Indices], counts: list[int], joints: list[Indices]) -> list[tuple[Matrix, Vector]]:
-        """`S S'` and `J u_f` of each island over its rows, the joints eliminated."""
+    def _products(self, rows: list[Indices], joints: list[Indices]) -> list[tuple[Matrix, Vector]]:
+        """`S S'` and `J u_f + b` of each island over its rows, the joints eliminated."""
         flat = np.concatenate([*rows, np.empty(0, np.intp)]).astype(np.intp)
         bodies = np.concatenate([self.normals.bodies, self.tangents.bodies])[flat]
         J = np.concatenate([self.normals.J, self.tangents.J])[flat]
         S = J * self.masses.root[bodies]  # rows on the world are zero
-        free = Rows(bodies, J).times(self.free)
-        ends = np.concatenate([[0], np.cumsum(counts)]).astype(np.intp)
-        plain = [k for k in range(len(rows)) if not len(joints[k])]
-        dense = _gram(bodies, S, ends, plain)
+        b = np.concatenate([self.b, np.zeros(len(self.tangents.J))])[flat]
+        drift = self._without_noise(Rows(bodies, J), self.free, b)
+        ends = np.concatenate([[0], np.cumsum([len(r) for r in rows])]).astype(np.intp)
+        dense = _gram(bodies, S, ends)
         result = []
         for k in range(len(rows)):
             part = slice(int(ends[k]), int(ends[k + 1]))
-            if not len(joints[k]):
-                result.append((dense[k], free[part]))
-                continue
-            S_k, u = self._jointed(bodies[part], S[part], joints[k])
-            result.append((S_k @ S_k.T, Rows(bodies[part], J[part]).times(u)))
-            A = result[-1][0]
-            result[-1] = ((A + A.T) / 2, result[-1][1])
+            if len(joints[k]):
+                P, u = self._jointed(bodies[part], S[part], joints[k])
+                A = P @ P.T
+                result.append(((A + A.T) / 2, self._without_noise(Rows(bodies[part], J[part]), u, b[part])))
+            else:
+                result.append((dense[k], drift[part]))
         return result
 
     def _jointed(self, bodies: Indices, S: Matrix, joints: Indices) -> tuple[Matrix, Matrix]:
@@ -203,14 +215,36 @@ class System:
         rows = Rows(self.joints.bodies[picked], self.joints.J[picked])
         return _Projector(rows, self.masses, self.joint_target[picked])
 
+    def rounding(self, solved: Sequence[tuple[Island, Vector]]) -> Matrix:
+        """Bounds (n, D) of the rounding errors in `velocity`.
+
+        The largest `32 eps (|u_f| + M^-1 |J|' |p|)` of the island, speeds and spins apart: contacts tie heavy bodies to
+        light ones, whose errors are larger.
+        """
+        c, t = self.impulses(solved)
+        n = len(self.scene)
+        push = Rows(self.normals.bodies, np.abs(self.normals.J)).transposed_times(np.abs(c), n)
+        push += Rows(self.tangents.bodies, np.abs(self.tangents.J)).transposed_times(np.abs(t), n)
+        error = 32 * _EPS * (np.abs(self.free) + self.masses.inverse * push)
+        speeds = self.u.shape[1] - (1 if self.scene.planar else 3)
+        for island, _ in solved:
+            if len(island.contacts):
+                own = error[island.bodies]
+                error[island.bodies, :speeds] = own[:, :speeds].max()
+                error[island.bodies, speeds:] = own[:, speeds:].max()
+        return np.asarray(error)
+
+    def impulses(self, solved: Sequence[tuple[Island, Vector]]) -> tuple[Vector, Vector]:
+        """Impulses along all normals, and along all tangents."""
+        c = np.zeros(len(self.contacts))
+        t = np.zeros((len(self.contacts), self.T))
+        for island, z in solved:
+            c[island.contacts], t[island.contacts[island.rubbing]] = island.impulses(z)
+        return c, t.ravel()
+
     def velocity(self, solved: Sequence[tuple[Island, Vector]]) -> Matrix:
         """New velocities u (n, D) from the answers z of the islands; bodies of no island keep their free velocity."""
-        c = np.zeros(len(self.contacts))
-        t = np.zeros(len(self.contacts) * self.T)
-        for island, z in solved:
-            normal, tangential = island.impulses(z)
-            c[island.contacts] = normal
-            t.reshape(-1, self.T)[island.contacts[island.rubbing]] = tangential
+        c, t = self.impulses(solved)
         n = len(self.scene)
         push = self.normals.transposed_times(c, n) + self.tangents.transposed_times(t, n)
         u = self.free + self.masses.inverse * push
@@ -258,8 +292,8 @@ def _dense(bodies: Indices, S: Matrix, places: Indices) -> Matrix:
     return out.reshape(len(S), out.shape[1] * D)
 
 
-def _gram(bodies: Indices, S: Matrix, ends: Indices, which: Sequence[int]) -> dict[int, Matrix]:
-    """`S S'` of each of the islands `which`: only rows that share a body meet. Same bits whoever else is there."""
+def _gram(bodies: Indices, S: Matrix, ends: Indices) -> list[Matrix]:
+    """`S S'` of each island: only rows that share a body meet. Same bits whoever else is there."""
     row = np.repeat(np.arange(len(S)), 2)
     body = bodies.ravel()
     entries = S.reshape(-1, S.shape[2])
@@ -281,7 +315,7 @@ def _gram(bodies: Indices, S: Matrix, ends: Indices, which: Sequence[int]) -> di
     at = home[row[left]]
     where = starts[at] + (row[left] - ends[at]) * n[at] + row[right] - ends[at]
     flat = np.bincount(where, value, minlength=int(starts[-1])).astype(np.float64)
-    return {k: flat[starts[k] : starts[k + 1]].reshape(int(n[k]), int(n[k])) for k in which}
+    return [flat[starts[k] : starts[k + 1]].reshape(int(m), int(m)) for k, m in enumerate(n)]
 
 
 def _owner(position: Indices, bodies: Indices) -> Indices:

@@ -11,6 +11,8 @@ from .scene import Scene
 
 #: The first body's face is kept as the reference unless the other's separates by this fraction of the radius more.
 _PREFERENCE = 0.02
+#: Points of a face nearer than this, in extents, are one: faces that match have four contacts, not eight.
+_SAME = 1e-4
 #: Going around the face with the normal along `axis`: signs along the next two axes.
 _AROUND = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
 
@@ -83,15 +85,16 @@ def _overlap(flat: Matrix, height: Matrix, extent: Matrix) -> tuple[Matrix, Matr
     Twelve candidates: the start of each clipped edge, its end where it leaves the rectangle, and the rectangle's
     corners strictly inside the quadrilateral.
     """
+    wide = (1 + _SAME) * extent
     step, rise = np.roll(flat, -1, axis=1) - flat, np.roll(height, -1, axis=1) - height
     enter, leave = np.zeros(height.shape), np.ones(height.shape)
     hit = np.ones(height.shape, dtype=bool)
     for k in range(2):
         moves = step[..., k] != 0
         run = np.where(moves, step[..., k], 1.0)
-        one = (extent[:, None, k] - flat[..., k]) / run
-        two = (-extent[:, None, k] - flat[..., k]) / run
-        hit &= moves | (np.abs(flat[..., k]) <= extent[:, None, k])
+        one = (wide[:, None, k] - flat[..., k]) / run
+        two = (-wide[:, None, k] - flat[..., k]) / run
+        hit &= moves | (np.abs(flat[..., k]) <= wide[:, None, k])
         enter = np.where(moves, np.maximum(enter, np.minimum(one, two)), enter)
         leave = np.where(moves, np.minimum(leave, np.maximum(one, two)), leave)
     hit &= enter < leave - 1e-9
@@ -100,8 +103,8 @@ def _overlap(flat: Matrix, height: Matrix, extent: Matrix) -> tuple[Matrix, Matr
     # positive on the left of an edge; the quadrilateral may go around either way
     left = step[:, :, None, 0] * (corners[:, None, :, 1] - flat[:, :, None, 1])
     left = left - step[:, :, None, 1] * (corners[:, None, :, 0] - flat[:, :, None, 0])
-    tiny = 1e-9 * (extent[:, 0] * extent[:, 1])[:, None]
-    inside = (left > tiny[:, None]).all(axis=1) | (left < -tiny[:, None]).all(axis=1)
+    least = 2 * _SAME * np.abs(step).max(axis=-1) * extent.max(axis=1)[:, None]
+    inside = (left > least[:, :, None]).all(axis=1) | (left < -least[:, :, None]).all(axis=1)
     spots = np.concatenate([starts, ends, corners], axis=1)
     plane = _height_above(flat, height, corners)
     heights = np.concatenate([height + enter * rise, height + leave * rise, plane], axis=1)

@@ -37,6 +37,8 @@ class Points:
 def find_contacts(scene: Scene, dt: float) -> Contacts:
     """All contacts that could close within a step of `dt` seconds at the present speeds, in the order of bodies.
 
+    Bodies that share a joint do not collide.
+
     The margin of a body is `dt (|v| + |omega| r + dt |g|) + SKIN r`, r its bounding radius. A pair's contacts depend on
     that pair alone. O(n + contacts) in NumPy for bodies of similar size; a planar pair of polygons with m corners costs
     O(m^2), a pair of boxes the six face normals.
@@ -48,6 +50,10 @@ def find_contacts(scene: Scene, dt: float) -> Contacts:
     movable = np.isfinite(scene.mass)
     R = rotations(scene.orientation)
     i, j = near_pairs(scene.position, scene.radius + margin, movable)
+    if scene.joints:
+        jointed = {tuple(sorted(joint.bodies)) for joint in scene.joints}
+        free = np.array([pair not in jointed for pair in zip(i.tolist(), j.tolist(), strict=True)], dtype=bool)
+        i, j = i[free], j[free]
     between = (polygon_contacts if scene.kind == "polygon" else box_contacts if scene.kind == "box" else _spheres)(
         scene, R, i, j, margin[i] + margin[j]
     )

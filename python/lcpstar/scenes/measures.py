@@ -35,11 +35,10 @@ class PhysicalErrors:
 def physical_errors(system: System, solved: Sequence[tuple[Island, Vector]], u: Matrix) -> PhysicalErrors:
     """Errors of the answers z, measured at the velocities u that came out of them."""
     contacts, T = system.contacts, system.T
-    c = np.zeros(len(contacts))
-    p = np.zeros((len(contacts), T))
+    c, t = system.impulses(solved)
+    p = t.reshape(-1, T)
     awake = np.zeros(len(contacts), dtype=bool)
-    for island, z in solved:
-        c[island.contacts], p[island.contacts[island.rubbing]] = island.impulses(z)
+    for island, _ in solved:
         awake[island.contacts] = True
     w = system.normals.times(u) + system.b
     sliding = system.tangents.times(u).reshape(-1, T)

@@ -34,6 +34,10 @@ class Rows:
         first = dot(self.J[:, 0], u[self.bodies[:, 0]])
         return np.asarray(first + dot(self.J[:, 1], u[self.bodies[:, 1]]))
 
+    def rounding_times(self, error: Matrix) -> Vector:
+        """`|J| error`: what errors of the velocities make of the rows."""
+        return Rows(self.bodies, np.abs(self.J)).times(error)
+
     def transposed_times(self, p: Vector, n: int) -> Matrix:
         """`J' p` (n, D); terms of one body are added in the order of the rows."""
         body = self.bodies.ravel()

@@ -67,16 +67,20 @@ class Stepper:
         self.contacts = Contacts.of([])
         self.islands: list[Island] = []
         self._last: _Impulses | None = None
+        self._error: Matrix | None = None
 
     def step(self) -> StepRecord:
         """One step: changes the scene's state and returns what happened. `contacts` and `islands` keep the problems."""
         start = time.perf_counter()
         self.contacts = find_contacts(self.scene, self.stepping.dt)
-        system = System(self.scene, self.contacts, self.stepping)
+        system = System(self.scene, self.contacts, self.stepping, self._error)
         started = time.perf_counter()
         solved, asleep, u = self._solve(system)
         solve_seconds = time.perf_counter() - started
-        errors = physical_errors(system, [(i, a.z) for i, a in solved], u)
+        impulses = [(island, answer.z) for island, answer in solved]
+        self._error = system.rounding(impulses)
+        u = np.where(np.abs(u) <= self._error, 0.0, u)  # what rounding alone may have made is rest
+        errors = physical_errors(system, impulses, u)
         self._remember(solved)
         self.islands = [island for island, _ in solved]
         self._move(system, u, asleep)
