@@ -65,12 +65,9 @@ def american_put(n: int, seed: int) -> Problem:
 
 
 def disturbed(scene: scenes.Scene, seed: int) -> Problem:
-    """The largest LCP of a planar scene, two steps after every body was given a velocity of about 1 cm/s."""
+    """The largest LCP of a planar scene at the moment when every body was given a velocity of about 1 cm/s."""
     noise = np.random.default_rng(seed).standard_normal(scene.velocity.shape)
     scene.velocity = scene.velocity + 1e-2 * noise * (1.0, 0.0, 1.0)
-    stepper = scenes.Stepper(scene, method="interior_point")
-    for _ in range(2):
-        stepper.step()
     return scenes.lcp(scene)
 
 
