@@ -25,6 +25,12 @@ METHODS = (
     "bilinear",
     "interior_point",
     "potential_reduction",
+    "newton",
+    "pgs",
+    "pgs_sm",
+    "nncg",
+    "apgd",
+    "admm",
 )
 
 
