@@ -27,6 +27,12 @@ METHODS = (
     "bilinear",
     "interior_point",
     "potential_reduction",
+    "newton",
+    "pgs",
+    "pgs_sm",
+    "nncg",
+    "apgd",
+    "admm",
 )
 
 
