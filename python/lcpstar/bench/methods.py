@@ -55,6 +55,12 @@ TABLE: tuple[Entry, ...] = (
     Entry("block_pivoting", "block_pivoting", "pivoting"),
     Entry("interior_point", "interior_point", "interior"),
     Entry("interior_point, no finish", "interior_point", "interior", InteriorPointOptions(finish=False)),
+    Entry("newton", "newton", "pivoting"),
+    Entry("pgs", "pgs", "approximate"),
+    Entry("pgs_sm", "pgs_sm", "approximate"),
+    Entry("nncg", "nncg", "approximate"),
+    Entry("apgd", "apgd", "approximate"),
+    Entry("admm", "admm", "approximate"),
     Entry("potential_reduction", "potential_reduction", "interior", _LONG_STEPS),
 )
 
