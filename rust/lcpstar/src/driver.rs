@@ -1,5 +1,6 @@
 //! One problem in, one verified solution out: equilibrate, run a method or the portfolio, certify.
 
+mod anytime;
 mod approximate;
 mod pieces;
 mod portfolio;
@@ -170,7 +171,7 @@ fn by_method(problem: &Equilibrated<'_>, settings: &Settings, control: &Control<
     let lcp = problem.original;
     let scaled = &problem.lcp;
     Ok(match &settings.method {
-        Method::Auto => pieces::auto(problem, settings, control),
+        Method::Auto => anytime::auto(problem, settings, control),
         Method::PrincipalPivoting => portfolio::principal_pivoting(problem, settings.tol, control),
         Method::Chandrasekaran => {
             certify(problem, chandrasekaran::chandrasekaran(scaled, control), "chandrasekaran", settings.tol)

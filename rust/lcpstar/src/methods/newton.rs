@@ -1,5 +1,5 @@
 //! Newton's method on `min(z, A z + q) = 0`: the primal-dual active set method, with an interior path as its safeguard.
-//! [AC76], [HIK03], [Meh92]
+//! [HIK03], [Meh92]
 //!
 //! A Newton step guesses `alpha = {i : z_i > w_i}` and solves `A[alpha, alpha] z_alpha = -q_alpha`. Finite and monotone for
 //! M-matrices, quick from any start near a solution; alone it cycles on P-matrices of order 3 [BG12], and on a grid its free
