@@ -13,7 +13,7 @@ export OMP_NUM_THREADS ?= 1
 
 RUST_SOURCES := $(shell find rust -name '*.rs') Cargo.toml Cargo.lock rust/lcpstar/Cargo.toml rust/lcpstar-py/Cargo.toml
 
-.PHONY: help demo build test test-rust test-python lint fmt bench bench-deps corpus stress stress-record wheel docs all clean
+.PHONY: help demo build test test-rust test-python lint fmt bench bench-deps bench-tradeoff corpus stress stress-record wheel docs all clean
 
 help: ## list the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 16
@@ -73,6 +73,9 @@ bench: build $(VENV)/.bench ## benchmarks beside peers, recorded in benches/reco
 
 corpus: build ## every problem of $$LCPSTAR_CORPUS solved and proved; writes docs/corpus.md
 	cd benches && ../$(PY) corpus.py
+
+bench-tradeoff: build ## every method at every tolerance, recorded with plots; about 10 minutes
+	$(PY) benches/tradeoff.py
 
 wheel: $(VENV)/.dev ## an abi3 wheel in dist/
 	$(BIN)/maturin build --profile dist --out dist

@@ -11,8 +11,8 @@ from . import _core
 from ._core import Solution
 from .coerce import Matrix, Vector, as_matrix, as_vector
 from .errors import OptionError, OptionTypeError
-from .interior import solve_sparse
-from .options import OPTIONS, MethodOptions
+from .options import OPTIONS, InteriorPointOptions, MethodOptions
+from .sparse import is_sparse, solve_sparse
 
 
 def solve(
@@ -76,10 +76,13 @@ def solve(
     >>> sol.success, sol.z.round(4).tolist()
     (True, [1.3333, 2.3333])
     """
-    if type(A) is not np.ndarray and hasattr(A, "tocsr"):
-        return solve_sparse(A, q, method, tol, max_iterations, time_limit, z0, certify, options)
+    sparse = is_sparse(A)
+    if sparse and method == "auto" and isinstance(options, InteriorPointOptions):
+        method = "interior_point"
     if options is not None or max_iterations is not None:
         _check(method, max_iterations, options)
+    if sparse:
+        return solve_sparse(A, q, method, tol, max_iterations, time_limit, z0, certify, options)
     return _core.solve(
         as_matrix("A", A),
         as_vector("q", q),

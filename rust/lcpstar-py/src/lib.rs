@@ -3,6 +3,8 @@
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 
+mod accuracy;
+mod approximate;
 mod arrays;
 mod batch;
 mod classes;
@@ -12,12 +14,15 @@ mod explore;
 mod interior;
 mod solution;
 mod solve;
+mod sparse;
 
 /// The compiled core of lcpstar; use the `lcpstar` package instead.
 #[pymodule]
 mod _core {
     use super::*;
 
+    #[pymodule_export]
+    use crate::accuracy::{accuracy, accuracy_sparse};
     #[pymodule_export]
     use crate::batch::{batch_methods, solve_batch};
     #[pymodule_export]
@@ -27,11 +32,13 @@ mod _core {
     #[pymodule_export]
     use crate::explore::{satisfies, scan};
     #[pymodule_export]
-    use crate::interior::{potential_direction, potential_reduction, solve_sparse};
+    use crate::interior::{potential_direction, potential_reduction};
     #[pymodule_export]
     use crate::solution::PySolution;
     #[pymodule_export]
     use crate::solve::{ppt, solve};
+    #[pymodule_export]
+    use crate::sparse::solve_sparse;
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {

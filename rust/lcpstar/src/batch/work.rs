@@ -49,6 +49,11 @@ pub const METHODS: &[&str] = &[
     "chandrasekaran",
     "enumerate",
     "islands",
+    "pgs",
+    "pgs_sm",
+    "nncg",
+    "apgd",
+    "admm",
 ];
 const NEWTON: u8 = 0;
 const LEMKE: u8 = 1;
