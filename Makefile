@@ -13,7 +13,7 @@ export OMP_NUM_THREADS ?= 1
 
 RUST_SOURCES := $(shell find rust -name '*.rs') Cargo.toml Cargo.lock rust/lcpstar/Cargo.toml rust/lcpstar-py/Cargo.toml
 
-.PHONY: help demo build test test-rust test-python lint fmt bench bench-deps wheel docs all clean fuzz miri coverage soak
+.PHONY: help demo build test test-rust test-python lint fmt bench bench-deps bench-tradeoff corpus stress stress-record wheel docs all clean fuzz miri coverage soak
 
 help: ## list the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 16
@@ -36,10 +36,17 @@ demo: build ## the main job: the paper, a PPT, a verdict, a stack of boxes
 test: test-rust test-python ## all tests
 
 test-rust:
-	cargo test --quiet --release -p lcpstar
+	cargo test --quiet --release -p lcpstar -p lcpstar-stress
 
 test-python: build
 	$(BIN)/pytest
+
+STRESS ?= --count 100000 --large 2
+stress: ## attack every method, score the answers exactly (minutes; STRESS="--count N --seed S ...", see --help)
+	cargo run --quiet --release -p lcpstar-stress -- $(STRESS)
+
+stress-record: ## the same, and write docs/stress.md and benches/record/stress.md
+	cargo run --quiet --release -p lcpstar-stress -- $(STRESS) --record .
 
 lint: build ## formatting, clippy, ruff, mypy, stubs, Rust docs
 	cargo fmt --all --check
@@ -83,6 +90,12 @@ coverage: build ## lines and branches of the core reached by both test suites; n
 
 soak: build ## a million calls, threads, forks, interrupts, shutdowns
 	$(PY) benches/soak.py
+
+corpus: build ## every problem of $$LCPSTAR_CORPUS solved and proved; writes docs/corpus.md
+	cd benches && ../$(PY) corpus.py
+
+bench-tradeoff: build ## every method at every tolerance, recorded with plots; about 10 minutes
+	$(PY) benches/tradeoff.py
 
 wheel: $(VENV)/.dev ## an abi3 wheel in dist/
 	$(BIN)/maturin build --profile dist --out dist

@@ -7,15 +7,20 @@ from typing import TYPE_CHECKING, Any
 
 from . import errors
 from ._core import Solution, __version__
+from .accuracy import Accuracy, accuracy
 from .batch import BatchSolution, solve_batch, solve_gufunc
 from .errors import LCPError
 from .interior import potential_reduction
 from .options import (
+    AdmmOptions,
     BilinearOptions,
     BlockPivotingOptions,
     InteriorPointOptions,
     LemkeHowsonOptions,
     LemkeOptions,
+    NewtonOptions,
+    PgsOptions,
+    PgsSmOptions,
     PotentialReductionOptions,
 )
 from .result import Certificate, Ray, Status
@@ -24,7 +29,7 @@ from .solve import ppt, solve
 from .verify import Report, verify
 
 if TYPE_CHECKING:  # loaded on first use, so that a program which only solves does not pay for the theory
-    from . import classes
+    from . import classes, scenes
     from .classes import (
         Classification,
         Verdict,
@@ -96,9 +101,16 @@ __all__ = [
     "LemkeHowsonOptions",
     "BilinearOptions",
     "BlockPivotingOptions",
+    "Accuracy",
+    "accuracy",
     "PotentialReductionOptions",
+    "PgsOptions",
+    "PgsSmOptions",
+    "AdmmOptions",
+    "NewtonOptions",
     "InteriorPointOptions",
     "classes",
+    "scenes",
     "classify",
     "explore",
     "game_value",
@@ -155,10 +167,12 @@ __all__ = [
 
 
 def __getattr__(name: str) -> Any:
-    """Load the classes and what builds on them when one of their names is first asked for."""
+    """Load the classes and what builds on them, and scenes, when one of their names is first asked for."""
     if name not in __all__:
         raise AttributeError(f"module 'lcpstar' has no attribute {name!r}")
     from importlib import import_module
 
+    if name == "scenes":
+        return import_module(".scenes", __name__)
     module = import_module(".exploring" if name == "explore" else ".classes", __name__)
     return module if name == "classes" else getattr(module, name)

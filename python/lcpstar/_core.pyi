@@ -5,11 +5,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .coerce import Matrix, Vector
-from .options import InteriorPointOptions, MethodOptions, PotentialReductionOptions
+from .options import MethodOptions, PotentialReductionOptions
 from .result import Certificate, Ray, Status
 
 __all__ = [
+    "METHODS",
     "__version__",
+    "accuracy",
+    "accuracy_sparse",
     "batch_methods",
     "IntegerMatrix",
     "potential_direction",
@@ -25,6 +28,7 @@ __all__ = [
     "solve_sparse",
 ]
 __version__: str
+METHODS: tuple[str, ...]
 
 @final
 class Solution:
@@ -141,16 +145,22 @@ def scan(
     time_limit: float | None = None,
 ) -> tuple[int, int, int, tuple[int, list[int]] | None]: ...
 def satisfies(matrix: IntegerMatrix, statement: tuple[Any, ...], time_limit: float | None = None) -> bool: ...
+def accuracy(a: Matrix, q: Vector, z: Vector) -> tuple[float, float, float, float | None, str]: ...
+def accuracy_sparse(
+    starts: NDArray[np.int64], columns: NDArray[np.int64], values: Vector, q: Vector, z: Vector
+) -> tuple[float, float, float, float | None, str]: ...
 def solve_sparse(
     starts: NDArray[np.int64],
     columns: NDArray[np.int64],
     values: Vector,
     q: Vector,
+    method_name: str,
     tol: float,
     max_iterations: int | None,
     time_limit: float | None,
     z0: Vector | None,
-    options: InteriorPointOptions,
+    certify: str,
+    options: MethodOptions | None,
 ) -> Solution: ...
 def solve_batch(
     a: NDArray[np.float64],

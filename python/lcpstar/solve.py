@@ -11,8 +11,8 @@ from . import _core
 from ._core import Solution
 from .coerce import Matrix, Vector, as_matrix, as_vector
 from .errors import OptionError, OptionTypeError
-from .interior import solve_sparse
-from .options import OPTIONS, MethodOptions
+from .options import OPTIONS, InteriorPointOptions, MethodOptions
+from .sparse import is_sparse, solve_sparse
 
 
 def solve(
@@ -37,7 +37,8 @@ def solve(
     q : (n,) array_like of real numbers
     method : str
         "auto" (a documented portfolio, see docs/methods.md), "lemke", "lemke_howson", "principal_pivoting",
-        "block_pivoting", "chandrasekaran" (Z-matrices), "enumerate" (n <= 24), "bilinear", "potential_reduction".
+        "block_pivoting", "chandrasekaran" (Z-matrices), "enumerate" (n <= 24), "bilinear", "interior_point",
+        "potential_reduction".
     tol : float in (0, 1)
         Bounds `Solution.residual` of a solved problem: `max|min(z', w')| / max(1, max|z'|)` on the problem
         equilibrated by powers of two, so it does not depend on units.
@@ -46,7 +47,8 @@ def solve(
     time_limit : float, optional
         Seconds; checked once per iteration.
     z0 : (n,) array_like, optional
-        A guess. Its support is tried as it is: right, it costs one factorisation and no pivot.
+        A guess, used by its support. Right, it costs one factorisation and no pivot; nearly right, about one pivot for
+        each wrong index.
     certify : "float" or "exact"
         "exact" proves the answer in rational arithmetic on the given binary numbers.
     options : LemkeOptions or the options class of `method`, optional
@@ -74,10 +76,13 @@ def solve(
     >>> sol.success, sol.z.round(4).tolist()
     (True, [1.3333, 2.3333])
     """
-    if type(A) is not np.ndarray and hasattr(A, "tocsr"):
-        return solve_sparse(A, q, method, tol, max_iterations, time_limit, z0, certify, options)
+    sparse = is_sparse(A)
+    if sparse and method == "auto" and isinstance(options, InteriorPointOptions):
+        method = "interior_point"
     if options is not None or max_iterations is not None:
         _check(method, max_iterations, options)
+    if sparse:
+        return solve_sparse(A, q, method, tol, max_iterations, time_limit, z0, certify, options)
     return _core.solve(
         as_matrix("A", A),
         as_vector("q", q),

@@ -40,7 +40,7 @@ struct BlockPivotingOptions {
 }
 
 /// The method of that name with the options that were set.
-fn method(py: Python<'_>, name: &str, options: Option<&Bound<'_, PyAny>>, n: usize) -> PyResult<Method> {
+pub fn method(py: Python<'_>, name: &str, options: Option<&Bound<'_, PyAny>>, n: usize) -> PyResult<Method> {
     let mut method = Method::from_name(name).map_err(|e| to_python(py, &e))?;
     let Some(options) = options else { return Ok(method) };
     match &mut method {
@@ -67,6 +67,7 @@ fn method(py: Python<'_>, name: &str, options: Option<&Bound<'_, PyAny>>, n: usi
         }
         Method::InteriorPoint(settings) => crate::interior::set_interior_options(settings, options)?,
         Method::PotentialReduction(settings) => crate::interior::set_potential_options(py, settings, options)?,
+        Method::Approximate(method) => crate::approximate::set_options(method, options)?,
     }
     Ok(method)
 }

@@ -1,10 +1,12 @@
 //! Where "solved" and "infeasible" are said: every claim is recomputed from the caller's data. Beside it, `small::verify`
 //! accepts the answers of the kernels for small problems by a stricter rule, and `driver::prove` those of exact arithmetic.
 
+mod extreme;
+
 use crate::exact::sufficiency::{self, NotSufficient};
 use crate::linalg::kernels::max_abs;
 use crate::residual::{equilibrated_residual, natural_residual, slack};
-use crate::scaling::{Equilibrated, Scaling};
+use crate::scaling::{Equilibrated, ORDINARY, Scaling};
 use crate::solution::{Candidate, Certificate, Ray, Solution};
 use crate::sparse::SparseLcp;
 use crate::status::{Status, Termination};
@@ -24,31 +26,47 @@ const ABSOLUTE: f64 = 1e-6;
 
 /// Turns what `method` found on the equilibrated problem into a verified [`Solution`] of the caller's. O(n^2).
 ///
-/// "Solved" needs both views: the scale-free residual within `tol`, and in the caller's own units
-/// `|min(z, w)|_i <= 10 tol max|q| + 8 eps (|A||z| + |q|)_i` in every row, so that neither a badly scaled
-/// row nor a badly chosen unit can hide an error; nor can a huge z, see `ABSOLUTE`.
+/// "Solved" needs every view: the scale-free residual within `tol`; in the caller's own units
+/// `|min(z, w)|_i <= 10 tol max|q| + 8 eps (|A||z| + |q|)_i` in every row; and every row within `tol` of its own numbers, see
+/// [`off_by`]. So neither a badly scaled row nor a badly chosen unit can hide an error; nor can a huge z, see `ABSOLUTE`.
 #[must_use]
-pub fn certify(problem: &Equilibrated<'_>, candidate: Candidate, method: &'static str, tol: f64) -> Solution {
-    let judged = judge(problem, candidate.z, tol);
-    let n = judged.z.len();
-    let (status, certificate) = if judged.solves {
-        (Status::Solved, None)
+pub fn certify(problem: &Equilibrated<'_>, mut candidate: Candidate, method: &'static str, tol: f64) -> Solution {
+    let judged = judge(problem, std::mem::take(&mut candidate.z), tol);
+    let ray = candidate.ray.as_ref().map(|ray| ray_to_caller(problem, ray));
+    let certificate = if judged.solves {
+        None
     } else if let Some(y) = farkas_vector(problem, candidate.farkas.as_deref(), candidate.ray.as_ref()) {
-        (Status::Infeasible, Some(Certificate::Infeasible { y, exact: None }))
+        Some(Certificate::Infeasible { y, exact: None })
     } else {
-        let proof = candidate.not_sufficient.and_then(|proof| insufficiency(problem, &proof));
-        (unsolved(candidate.termination), proof.map(Certificate::NotSufficient))
+        let proof = candidate.not_sufficient.take().and_then(|proof| insufficiency(problem, &proof));
+        proof.map(Certificate::NotSufficient)
+    };
+    let solution = conclude(judged, candidate, certificate, method, tol, |i, j| problem.original.row(i)[j]);
+    Solution { ray, ..solution }
+}
+
+/// The solution from the judgement on its point and the proof, if any, of what else it claims.
+fn conclude(
+    judged: Judged,
+    candidate: Candidate,
+    certificate: Option<Certificate>,
+    method: &'static str,
+    tol: f64,
+    entry: impl Fn(usize, usize) -> f64,
+) -> Solution {
+    let status = match certificate {
+        _ if judged.solves => Status::Solved,
+        Some(Certificate::Infeasible { .. }) => Status::Infeasible,
+        _ => unsolved(candidate.termination),
     };
     let alpha = match candidate.alpha {
-        Some(alpha) if status == Status::Solved => alpha,
-        _ => (0..n).filter(|&i| judged.z[i] > 0.0).collect(),
+        Some(alpha) if judged.solves => alpha,
+        _ => (0..judged.z.len()).filter(|&i| judged.z[i] > 0.0).collect(),
     };
-    let certificate = match status {
-        Status::Solved => Some(Certificate::Solution { alpha: alpha.clone(), exact: None }),
-        _ => certificate,
-    };
-    let message = explain(|i, j| problem.original.row(i)[j], status, candidate.termination, judged.residual, tol);
+    let certificate =
+        if judged.solves { Some(Certificate::Solution { alpha: alpha.clone(), exact: None }) } else { certificate };
     Solution {
+        message: explain(entry, status, candidate.termination, judged.residual, tol),
         z: judged.z,
         w: judged.w,
         status,
@@ -58,24 +76,30 @@ pub fn certify(problem: &Equilibrated<'_>, candidate: Candidate, method: &'stati
         natural_residual: judged.natural_residual,
         alpha,
         certificate,
-        ray: candidate.ray.map(|ray| ray_to_caller(problem, &ray)),
+        ray: None,
         pieces: vec![],
-        message,
     }
 }
 
-/// Recomputes `w`, both residuals and the row test. Negative entries of `z` are set to zero first.
+/// Recomputes `w`, both residuals and the row tests. Negative entries of `z` are set to zero first.
 fn judge(problem: &Equilibrated<'_>, z: Vec<f64>, tol: f64) -> Judged {
-    judge_point(&problem.scaling, max_abs(problem.original.q()), z, tol, |z| slack(&problem.lcp, z))
+    let judged = judge_point(&problem.scaling, max_abs(problem.original.q()), z, tol, |z| slack(&problem.lcp, z));
+    if problem.is_ordinary && judged.z.iter().all(|&z| z == 0.0 || ORDINARY.contains(&z)) {
+        return judged;
+    }
+    extreme::judge(problem, judged, tol)
 }
 
 /// As [`judge`], for any way to compute `w'` and its rounding scale.
+///
+/// A point that fails is looked at again without the smaller member of each pair, and then without what is rounding error
+/// beside the largest entry: a degenerate z_i that should be zero, in a row that holds nothing else.
 fn judge_point(
     scaling: &Scaling,
     max_q: f64,
     mut z: Vec<f64>,
     tol: f64,
-    slack: impl FnOnce(&[f64]) -> (Vec<f64>, Vec<f64>),
+    slack: impl Fn(&[f64]) -> (Vec<f64>, Vec<f64>),
 ) -> Judged {
     for x in &mut z {
         if !x.is_finite() {
@@ -88,7 +112,39 @@ fn judge_point(
         z.fill(0.0); // no iterate worth keeping
     }
     let (w, magnitude) = slack(&z);
+    let noise = NOISE * max_abs(&z);
+    let pairs: Vec<f64> = z.iter().zip(&w).map(|(&z, &w)| if z < w { 0.0 } else { z }).collect();
+    let without_noise: Vec<f64> = pairs.iter().map(|&z| if z <= noise { 0.0 } else { z }).collect();
+    let first = measure(scaling, max_q, z, w, magnitude, tol);
+    if first.solves {
+        return first;
+    }
+    let mut seen = scaling.z_from_caller(&first.z);
+    for z in [pairs, without_noise] {
+        if z != seen {
+            let (w, magnitude) = slack(&z);
+            seen.clone_from(&z);
+            let judged = measure(scaling, max_q, z, w, magnitude, tol);
+            if judged.solves {
+                return judged;
+            }
+        }
+    }
+    if first.w.iter().chain(&first.z).all(|x| x.is_finite()) && first.residual.is_finite() {
+        return first;
+    }
+    let z = vec![0.0; first.z.len()];
+    let (w, magnitude) = slack(&z);
+    measure(scaling, max_q, z, w, magnitude, tol)
+}
+
+/// An entry of z below this part of the largest one may be rounding error.
+const NOISE: f64 = 1e-13;
+
+/// One point with its `w'` and `m' = |A'||z'| + |q'|`.
+fn measure(scaling: &Scaling, max_q: f64, z: Vec<f64>, w: Vec<f64>, magnitude: Vec<f64>, tol: f64) -> Judged {
     let residual = equilibrated_residual(&z, &w);
+    let rows_hold = (0..z.len()).all(|i| off_by(z[i], w[i]) <= (tol + 8.0 * f64::EPSILON) * magnitude[i]);
     let caller_z = scaling.z_to_caller(&z);
     let caller_w = scaling.w_to_caller(&w);
     let magnitude = scaling.w_to_caller(&magnitude);
@@ -97,14 +153,23 @@ fn judge_point(
         .iter()
         .zip(&caller_w)
         .zip(&magnitude)
-        .all(|((&z, &w), &m)| z.is_finite() && z.min(w).abs() <= allowed + 8.0 * f64::EPSILON * m);
+        .all(|((&z, &w), &m)| z.is_finite() && w.is_finite() && z.min(w).abs() <= allowed + 8.0 * f64::EPSILON * m);
     Judged {
-        solves: residual <= tol && natural_residual(&z, &w) <= tol.max(ABSOLUTE) && rows_agree,
+        solves: residual <= tol && natural_residual(&z, &w) <= tol.max(ABSOLUTE) && rows_agree && rows_hold,
         residual,
         natural_residual: natural_residual(&caller_z, &caller_w),
         z: caller_z,
         w: caller_w,
     }
+}
+
+/// How far `w_i` is from what `z_i` asks for: zero where `z_i > 0`, nonnegative elsewhere.
+///
+/// Divided by `m_i = (|A||z| + |q|)_i` it does not depend on the units of any row or column, and its largest quotient is the
+/// least omega such that z solves exactly some LCP(q + e, A + E) with `|E| <= omega |A|`, `|e| <= omega |q|` entry by entry:
+/// w_i is a sum of terms each of which may change by that part of itself. [Hig02, sec. 7.2]
+fn off_by(z: f64, w: f64) -> f64 {
+    if z > 0.0 || w.is_nan() { w.abs() } else { (-w).max(0.0) }
 }
 
 /// As [`certify`], for a sparse problem and its scaled copy. O(nnz).
@@ -113,36 +178,15 @@ pub fn certify_sparse(
     original: &SparseLcp,
     scaled: &SparseLcp,
     scaling: &Scaling,
-    candidate: Candidate,
+    mut candidate: Candidate,
     method: &'static str,
     tol: f64,
 ) -> Solution {
-    let judged = judge_point(scaling, max_abs(original.q()), candidate.z, tol, |z| scaled.slack(z));
-    let y = candidate.farkas.as_deref().and_then(normalised).filter(|y| is_sparse_farkas(scaled, y));
-    let support = (0..judged.z.len()).filter(|&i| judged.z[i] > 0.0).collect();
-    let (status, certificate, alpha) = if judged.solves {
-        let alpha: Vec<usize> = candidate.alpha.unwrap_or(support);
-        (Status::Solved, Some(Certificate::Solution { alpha: alpha.clone(), exact: None }), alpha)
-    } else if let Some(y) = y {
-        let y = scaling.multiplier_to_caller(&y);
-        (Status::Infeasible, Some(Certificate::Infeasible { y, exact: None }), support)
-    } else {
-        (unsolved(candidate.termination), None, support)
-    };
-    Solution {
-        z: judged.z,
-        w: judged.w,
-        status,
-        method,
-        iterations: candidate.iterations,
-        residual: judged.residual,
-        natural_residual: judged.natural_residual,
-        alpha,
-        certificate,
-        ray: None,
-        message: explain(|i, j| original.entry(i, j), status, candidate.termination, judged.residual, tol),
-        pieces: vec![],
-    }
+    let z = std::mem::take(&mut candidate.z);
+    let judged = judge_point(scaling, max_abs(original.q()), z, tol, |z| scaled.slack(z));
+    let farkas = candidate.farkas.as_deref().and_then(normalised).filter(|y| is_sparse_farkas(scaled, y));
+    let certificate = farkas.map(|y| Certificate::Infeasible { y: scaling.multiplier_to_caller(&y), exact: None });
+    conclude(judged, candidate, certificate, method, tol, |i, j| original.entry(i, j))
 }
 
 /// [`is_farkas`] by rows: plain sums, whose rounding is charged to `A'y`.
@@ -166,7 +210,10 @@ fn is_sparse_farkas(lcp: &SparseLcp, y: &[f64]) -> bool {
 fn farkas_vector(problem: &Equilibrated<'_>, farkas: Option<&[f64]>, ray: Option<&Ray>) -> Option<Vec<f64>> {
     let ray = ray.map(|ray| ray.z_hat.as_slice());
     let y = [farkas, ray].into_iter().flatten().find_map(|y| normalised(y).filter(|y| is_farkas(problem, y)))?;
-    Some(problem.scaling.multiplier_to_caller(&y))
+    if problem.is_ordinary {
+        return Some(problem.scaling.multiplier_to_caller(&y));
+    }
+    extreme::farkas(problem, &y)
 }
 
 /// `y` with negative entries set to zero and `max|y| = 1`.

@@ -13,7 +13,7 @@ use crate::scaling::Equilibrated;
 use crate::small::avx::{Ymm2, Zmm};
 use crate::small::lane::{F64x8, Lane, Mask};
 use crate::small::lemke::{PIVOTS_PER_ROW, Tableau};
-use crate::small::verify::{Verdict, verify};
+use crate::small::verify::{Verdict, is_small_when_equilibrated, verify};
 use crate::solution::{Candidate, Solution};
 use crate::status::{Status, Termination};
 use multiversion::multiversion;
@@ -39,6 +39,7 @@ pub const METHODS: &[&str] = &[
     "lemke_howson",
     "lemke_double_double",
     "lemke_random_d",
+    "lemke_warm",
     "potential_reduction",
     "interior_point",
     "feasibility",
@@ -48,6 +49,11 @@ pub const METHODS: &[&str] = &[
     "chandrasekaran",
     "enumerate",
     "islands",
+    "pgs",
+    "pgs_sm",
+    "nncg",
+    "apgd",
+    "admm",
 ];
 const NEWTON: u8 = 0;
 const LEMKE: u8 = 1;
@@ -267,7 +273,22 @@ impl<X: Lane<Number = f64>> Worker<X> {
     #[inline(always)]
     fn verdict<const N: usize>(&self, tol: f64) -> Verdict<X> {
         let tile = &self.tile;
-        verify::<X, N>(self.n, &tile.a, &tile.q, &tile.z, &tile.w, tol)
+        let mut verdict = verify::<X, N>(self.n, &tile.a, &tile.q, &tile.z, &tile.w, tol);
+        if verdict.unsettled.any() {
+            self.settle(&mut verdict, tol);
+        }
+        verdict
+    }
+
+    /// Decides the lanes that need the scaling of their problem, one by one.
+    fn settle(&self, verdict: &mut Verdict<X>, tol: f64) {
+        let (n, tile) = (self.n, &self.tile);
+        let lane = |v: &[X], l: usize| -> Vec<f64> { v.iter().map(|x| x.get(l)).collect() };
+        for l in (0..X::LANES).filter(|&l| verdict.unsettled.get(l)) {
+            let (a, q) = (lane(&tile.a[..n * n], l), lane(&tile.q[..n], l));
+            let (z, w) = (lane(&tile.z[..n], l), lane(&tile.w[..n], l));
+            verdict.solved.set(l, is_small_when_equilibrated(n, &a, &q, &z, &w, tol));
+        }
     }
 
     /// Writes the results of the lanes that are solved.

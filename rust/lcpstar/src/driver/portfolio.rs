@@ -8,7 +8,7 @@ use crate::certify::certify;
 use crate::control::Control;
 use crate::linalg::dd::Dd;
 use crate::methods::{
-    bilinear, block_pivoting, chandrasekaran, enumerate, feasibility, lemke, lemke_howson,
+    bilinear, block_pivoting, chandrasekaran, enumerate, feasibility, interior_point, lemke, lemke_howson,
     principal_pivoting as criss_cross,
 };
 use crate::problem::Lcp;
@@ -18,6 +18,8 @@ use crate::status::{Status, Termination};
 
 /// Order from which block pivoting is tried first: below it a few Lemke pivots cost less than one factorisation.
 const BLOCK_PIVOTING_FROM: usize = 24;
+/// Up to this order a guess is followed by Lemke's method before block pivoting starts from it.
+const WARM_PATH_FIRST_UP_TO: usize = 128;
 /// Largest order at which a dictionary in double-double arithmetic is still worth its 20-fold cost.
 const DOUBLE_DOUBLE_UP_TO: usize = 400;
 
@@ -75,17 +77,29 @@ fn rank(solution: &Solution) -> (u8, f64) {
     (class, solution.residual)
 }
 
-/// Lemke with d = e, then double-doubles, then random covering vectors.
+/// From the guess, if there is one; then Lemke with d = e, then double-doubles, then random covering vectors.
 pub(super) fn lemke(
     problem: &Equilibrated<'_>,
     restarts: usize,
     seed: u64,
-    tol: f64,
+    settings: &Settings,
     control: &Control<'_>,
 ) -> Solution {
-    let mut race = Race::new(problem, tol, control);
-    lemke_members(&mut race, restarts, seed);
+    let mut race = Race::new(problem, settings.tol, control);
+    if !from_guess(&mut race, settings) {
+        lemke_members(&mut race, restarts, seed);
+    }
     race.finish()
+}
+
+/// Lemke's method from the support of `z0`: few pivots when it is nearly right; when it fails, all else is as without it.
+fn from_guess(race: &mut Race<'_>, settings: &Settings) -> bool {
+    let Some(alpha) = settings.z0.as_deref().map(support).filter(|alpha| !alpha.is_empty()) else { return false };
+    let lcp = &race.problem.lcp;
+    race.run("lemke_warm", |control| {
+        let limit = control.max_iterations.unwrap_or(usize::MAX).min(20 + lcp.n());
+        lemke::lemke_from::<f64>(lcp, &alpha, &control.with_max_iterations(Some(limit)))
+    })
 }
 
 /// Criss-cross in doubles, then in double-doubles where rounding hid a proof.
@@ -100,7 +114,8 @@ pub(super) fn principal_pivoting(problem: &Equilibrated<'_>, tol: f64, control: 
     race.finish()
 }
 
-/// See the module. Members: Chandrasekaran (Z), block pivoting (P-like), Lemke-Howson (bimatrix), Lemke and its restarts.
+/// See the module. Members: Chandrasekaran (Z), the guess, block pivoting (P-like), Lemke-Howson (bimatrix), Lemke and its
+/// restarts, the interior point method, successive linear programmes.
 pub(super) fn auto(problem: &Equilibrated<'_>, settings: &Settings, control: &Control<'_>) -> Solution {
     let mut race = Race::new(problem, settings.tol, control);
     let lcp = &problem.lcp;
@@ -108,6 +123,11 @@ pub(super) fn auto(problem: &Equilibrated<'_>, settings: &Settings, control: &Co
     if chandrasekaran::positive_off_diagonal(lcp).is_none()
         && race.run("chandrasekaran", |control| chandrasekaran::chandrasekaran(lcp, control))
     {
+        return race.finish();
+    }
+    // The transform costs as much as many factorisations of a large block.
+    let warm_first = n <= WARM_PATH_FIRST_UP_TO;
+    if warm_first && from_guess(&mut race, settings) {
         return race.finish();
     }
     let positive_diagonal = (0..n).all(|i| lcp.row(i)[i] > 0.0);
@@ -124,6 +144,9 @@ pub(super) fn auto(problem: &Equilibrated<'_>, settings: &Settings, control: &Co
             return race.finish();
         }
     }
+    if !warm_first && from_guess(&mut race, settings) {
+        return race.finish();
+    }
     if lemke_howson::bimatrix_split(lcp).is_some() {
         for label in [0, n / 2, n - 1] {
             let options = lemke_howson::Settings { label };
@@ -133,6 +156,11 @@ pub(super) fn auto(problem: &Equilibrated<'_>, settings: &Settings, control: &Co
         }
     }
     if lemke_members(&mut race, super::DEFAULT_RESTARTS, 0) {
+        return race.finish();
+    }
+    // Frictional contact under a heavy load: the pivots that matter are as small as the rounding of redundant rows.
+    let options = interior_point::Settings::default();
+    if race.run("interior_point", |control| super::interior_point_candidate(problem, settings, &options, control)) {
         return race.finish();
     }
     let options = bilinear::Settings::default();

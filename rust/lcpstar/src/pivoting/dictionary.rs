@@ -1,5 +1,7 @@
 //! The condensed dictionary of a complementary pivoting method, and the one ratio test.
 
+mod restart;
+
 use super::real::Real;
 use super::var::Var;
 use crate::linalg::kernels;
@@ -134,10 +136,12 @@ impl<T: Real> Dictionary<T> {
         self.scatter(|r| self.value(r).to_f64())
     }
 
-    /// `(z, z_0)` of the direction in which column `s` increases.
+    /// `(z, z_0)` of the direction in which column `s` increases; what is rounding error beside the column is zero.
     #[must_use]
     pub fn direction(&self, s: usize) -> (Vec<f64>, f64) {
-        let (mut z_hat, mut z0_hat) = self.scatter(|r| self.coefficient(r, s).to_f64().max(0.0));
+        let rate = |r: usize| self.coefficient(r, s).to_f64();
+        let noise = tie_tolerance::<T>(self.n) * (0..self.n).map(|r| rate(r).abs()).fold(0.0, f64::max);
+        let (mut z_hat, mut z0_hat) = self.scatter(|r| if rate(r) > noise { rate(r) } else { 0.0 });
         match self.nonbasic[s] {
             Var::Z(i) => z_hat[i] = 1.0,
             Var::Z0 => z0_hat = 1.0,
