@@ -51,9 +51,6 @@ def ring(n, value, corner=0.0, far=0.0):
     ],
 )
 @pytest.mark.parametrize("method", ["auto", "lemke", "interior_point", "bilinear", "batch"])
-@pytest.mark.xfail(
-    strict=False, reason="w and the verdict come from the scaled problem, whose numbers may have underflowed"
-)
 def test_numbers_at_both_ends_of_the_doubles(A, q, method):
     n = len(q)
     if method == "batch":

@@ -6,11 +6,13 @@ use crate::oracle::{self, Limits};
 use lcpstar::batch::{Alpha, Guess, Output, Problems, Source, solve_batch};
 use lcpstar::classes::budget::Budget;
 use lcpstar::classes::class::{Class, Facts, SYMBOLS};
-use lcpstar::driver::{self, Certify, Method, Settings};
+use lcpstar::driver::{self, Approximate, Certify, Method, Settings};
 use lcpstar::exact::imatrix::IMatrix;
 use lcpstar::exact::int::Int;
 use lcpstar::methods::potential_reduction::{DirectionSolver, Stop};
-use lcpstar::methods::{bilinear, block_pivoting, interior_point, lemke, lemke_howson, potential_reduction};
+use lcpstar::methods::{
+    admm, bilinear, block_pivoting, interior_point, lemke, lemke_howson, newton, pgs, pgs_sm, potential_reduction,
+};
 use lcpstar::{Certificate, Control, Lcp, LcpError, SparseLcp, Status};
 use std::cmp::Ordering;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
@@ -72,10 +74,11 @@ fn justified(error: &LcpError, n: usize, settings: &Settings) {
     };
     let right = match error {
         LcpError::OutOfRange { name: "tol", value, .. } => !(*value > 0.0 && *value < 1.0),
-        LcpError::OutOfRange { value, .. } => {
-            let Method::PotentialReduction(options) = &settings.method else { panic!("{error}") };
-            !value.is_nan() == !value.is_nan() && options.validate().is_err()
-        }
+        LcpError::OutOfRange { value, .. } => match &settings.method {
+            Method::PotentialReduction(options) => options.validate().is_err(),
+            Method::Approximate(_) => !(*value > 0.0 && *value < 2.0),
+            _ => false,
+        },
         LcpError::WrongLength { name: "z0", .. }
         | LcpError::NotFinite { name: "z0", .. }
         | LcpError::Negative { name: "z0", .. } => bad(&settings.z0),
@@ -132,6 +135,27 @@ fn method(bytes: &mut Bytes<'_>, n: usize) -> Method {
             ..interior_point::Settings::default()
         }),
         Method::PotentialReduction(_) => Method::PotentialReduction(potential(bytes)),
+        Method::Approximate(method) => Method::Approximate(approximate(bytes, method)),
+        other => other,
+    }
+}
+
+/// Relaxation factors in and out of range, counts from 0.
+fn approximate(bytes: &mut Bytes<'_>, method: Approximate) -> Approximate {
+    let relaxation = match bytes.byte() {
+        b @ 0..=250 => f64::from(b) / 120.0,
+        _ => bytes.raw(),
+    };
+    match method {
+        Approximate::Pgs(_) => Approximate::Pgs(pgs::Settings { relaxation, symmetric: bytes.flag() }),
+        Approximate::PgsSm(_) => {
+            Approximate::PgsSm(pgs_sm::Settings { sweeps: bytes.below(9), solves: bytes.below(6), relaxation })
+        }
+        Approximate::Admm(_) => {
+            let rho = if bytes.flag() { bytes.raw() } else { 2f64.powi(i32::from(bytes.byte() as i8) / 8) };
+            Approximate::Admm(admm::Settings { rho, relaxation, polish: bytes.flag() })
+        }
+        Approximate::Newton(_) => Approximate::Newton(newton::Settings { patience: bytes.below(6) }),
         other => other,
     }
 }
@@ -366,12 +390,13 @@ pub fn sparse(bytes: &mut Bytes<'_>) {
     let dense = lcp.to_dense();
     let problem = Problem { n, a: dense.a().to_vec(), q: dense.q().to_vec() };
     let tol = tolerance(bytes);
-    let options =
-        interior_point::Settings { finish: bytes.flag(), z0: guess(bytes, n), ..interior_point::Settings::default() };
+    let certify = if n <= 8 && bytes.below(4) == 3 { Certify::Exact } else { Certify::Float };
+    let settings = Settings { method: method(bytes, n), tol, z0: guess(bytes, n), certify };
     let control = Control { max_iterations: bytes.flag().then(|| bytes.below(40)), ..Control::default() };
-    show(&(&problem, tol, &options, control.max_iterations));
-    if let Ok(solution) = driver::solve_sparse(&lcp, tol, &options, &control) {
-        assert!(control.max_iterations.is_none_or(|limit| solution.iterations <= limit), "max_iterations");
+    show(&(&problem, &settings, control.max_iterations));
+    if let Ok(solution) = driver::solve_sparse(&lcp, &settings, &control) {
+        let counted = control.max_iterations.filter(|_| certify == Certify::Float);
+        assert!(counted.is_none_or(|limit| solution.iterations <= limit), "max_iterations");
         oracle::check_sparse(&problem, &solution, tol);
     }
 }
