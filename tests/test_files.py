@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import io
 import json
 import os
@@ -14,6 +15,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 
 from lcpstar import errors, solve
 from lcpstar.__main__ import main
@@ -111,6 +114,9 @@ COORDINATE = "%%MatrixMarket matrix coordinate real general\n"
 ARRAY = "%%MatrixMarket matrix array real general\n"
 TEXTS = {
     "huge.mtx": COORDINATE + "1000000000000 1000000000000 1\n1 1 1\n",
+    "empty_giant.mtx": COORDINATE + "20000 20000 1\n1 1 1\n",
+    "lying_giant.mtx": COORDINATE + "20000 20000 20000\n1 1 1\n",
+    "array_giant.mtx": ARRAY + "20000 20000\n1\n",
     "negative.mtx": COORDINATE + "-2 -2 1\n1 1 1\n",
     "negative_count.mtx": COORDINATE + "2 2 -1\n",
     "too_many.mtx": COORDINATE + "2 2 1\n1 1 1\n2 2 1\n",
@@ -236,3 +242,50 @@ def one_line(capfd, arguments):
     assert err.count("\n") == 1
     assert err[:-1].isprintable()
     assert len(err) < 500
+
+
+GOOD = {
+    ".json": b'{"A": [[2, -1], [0.5, 3e0]], "q": [-1, 1]}',
+    ".mtx": (COORDINATE + "% c\n2 2 3\n1 1 2.0\n2 2 3\n1 2 -1\n").encode(),
+    ".csv": b"2,-1\n0.5;3\n",
+    ".npz": None,
+}
+
+
+@pytest.mark.parametrize("suffix", GOOD)
+@pytest.mark.parametrize("number", [float, Fraction])
+@given(data=st.data())
+@settings(derandomize=True, max_examples=60, deadline=None, database=None, suppress_health_check=list(HealthCheck))
+def test_damaged_files_are_refused_or_read(tmp_path, suffix, number, data):
+    """Bytes of a good file replaced, removed and repeated: an answer or `FileFormatError`, nothing else."""
+    path = tmp_path / f"p{suffix}"
+    good = GOOD[suffix]
+    if good is None:
+        good = archive(path, [("A.npy", npy(EYE)), ("q.npy", npy(Q))]).read_bytes()
+    damaged = bytearray(good)
+    for _ in range(data.draw(st.integers(1, 4))):
+        start = data.draw(st.integers(0, len(damaged)))
+        stop = data.draw(st.integers(start, min(start + 9, len(damaged))))
+        damaged[start:stop] = data.draw(
+            st.one_of(st.binary(max_size=9), st.sampled_from(WORDS), st.just(damaged[start:stop] * 3))
+        )
+    path.write_bytes(damaged)
+    with contextlib.suppress(errors.FileFormatError):
+        read_problem(path) if number is float else read_matrix(path, number)
+
+
+WORDS = [
+    b"1e999",
+    b"nan",
+    b"-",
+    b"[",
+    b"{",
+    b'"',
+    b"\n",
+    b",",
+    b"99999999999999999999",
+    b"general",
+    b"symmetric",
+    b"\xff",
+    b"(9,",
+]

@@ -23,6 +23,10 @@ from .errors import FileFormatError
 
 #: Largest order read from a file: 20000 x 20000 doubles are 3.2 GB.
 MAX_ORDER = 20_000
+#: Largest order of a matrix whose entries are read as exact numbers: what exponential tests could ever decide.
+MAX_EXACT_ORDER = 1_000
+#: Above this order a coordinate file must hold an entry a row at least: no small file claims gigabytes.
+MAX_EMPTY_ORDER = 1_000
 #: Largest text file, in bytes.
 MAX_TEXT = 2_000_000_000
 #: Largest `.json`, in bytes: its numbers become Python objects, an order of magnitude longer than their text.
@@ -229,15 +233,20 @@ def _mtx(path: Path, number: Callable[[str], Any]) -> tuple[Any, Any]:
         if len(sizes) != (3 if layout == "coordinate" else 2):
             raise FileFormatError(f"{path.name}: bad size line")
         rows, columns = sizes[:2]
-        if not 0 <= rows <= MAX_ORDER or not 0 <= columns <= MAX_ORDER:
-            raise FileFormatError(f"{path.name}: {rows} x {columns} is not between 0 and order {MAX_ORDER}")
+        largest = MAX_ORDER if number is float else MAX_EXACT_ORDER
+        if not 0 <= rows <= largest or not 0 <= columns <= largest:
+            raise FileFormatError(f"{path.name}: {rows} x {columns} is not between 0 and order {largest}")
         if symmetry != "general" and rows != columns:
             raise FileFormatError(f"{path.name}: {symmetry}, but {rows} x {columns}")
         if layout == "coordinate":
             if not 0 <= sizes[2] <= rows * columns:
                 raise FileFormatError(f"{path.name}: {sizes[2]} entries in {rows} x {columns}")
+            if max(rows, columns) > max(MAX_EMPTY_ORDER, sizes[2]) or sizes[2] > path.stat().st_size:
+                raise FileFormatError(f"{path.name}: too few entries for {rows} x {columns}")
             entries = _coordinates(path, rows, columns, sizes[2], body, number)
         else:
+            if rows * (columns - 1) > path.stat().st_size:  # an entry takes two characters; symmetric files hold half
+                raise FileFormatError(f"{path.name}: fewer entries than the size line announces")
             entries = _column_by_column(path, rows, columns, symmetry, (x for line in body for x in line), number)
         return _assemble(path, rows, columns, symmetry, entries, number), None
 
