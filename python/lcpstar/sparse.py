@@ -49,7 +49,8 @@ def solve_sparse(
     """Solve LCP(q, A) for a `scipy.sparse` A; called by `lcpstar.solve`.
 
     "auto" is the interior point method with sparse factorisations: monotone A (A + A' PSD) is solved or certified
-    infeasible. The approximate methods work on A by rows and columns. The residual is that of the problem scaled to `D A D`.
+    infeasible. The approximate methods work on A by rows and columns. The residual is that of the problem scaled to
+    `D A D`.
     """
     if certify != "float":
         raise UnknownNameError(f"certify must be float for a sparse A, got {certify!r}")
