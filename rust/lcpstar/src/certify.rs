@@ -287,6 +287,11 @@ fn explain(
     residual: f64,
     tol: f64,
 ) -> String {
+    let why = if residual <= tol {
+        format!("residual {residual:.2e}, and a row whose error is too large in the caller's units")
+    } else {
+        format!("residual {residual:.2e} > tol {tol:.0e}")
+    };
     match (status, termination) {
         (Status::Solved, _) => format!("solved: residual {residual:.2e} <= tol {tol:.0e}"),
         (Status::Infeasible, _) => {
@@ -296,13 +301,11 @@ fn explain(
              matrix; try method=\"auto\", another covering vector d, or lcpstar.solutions"
             .to_owned(),
         (Status::MaxIterations, _) => {
-            format!(
-                "iteration limit reached with residual {residual:.2e} > tol {tol:.0e}; raise max_iterations or try method=\"auto\""
-            )
+            format!("iteration limit reached with {why}; raise max_iterations or try method=\"auto\"")
         }
         (Status::TimeLimit, Termination::Interrupted) => format!("interrupted with residual {residual:.2e}"),
         (Status::TimeLimit, _) => {
-            format!("time limit reached with residual {residual:.2e} > tol {tol:.0e}; raise time_limit or tol")
+            format!("time limit reached with {why}; raise time_limit or tol")
         }
         (_, Termination::NotZ { row, column }) => {
             format!("A is not a Z-matrix: A[{row}, {column}] = {} is positive; try method=\"auto\"", entry(row, column))
@@ -316,7 +319,7 @@ fn explain(
             format!("{reason} (residual {residual:.2e}, tol {tol:.0e}); try method=\"auto\" or certify=\"exact\"")
         }
         (Status::NumericalBreakdown, _) => format!(
-            "the method finished, but its point has residual {residual:.2e} > tol {tol:.0e} on the caller's data; \
+            "the method finished, but its point has {why} on the caller's data; \
              try method=\"auto\", a larger tol, or certify=\"exact\""
         ),
     }
@@ -349,6 +352,14 @@ mod tests {
         let (a, q) = ([1.0, 0.0, 0.0, 1e-6], [-1.0, -1e-6]);
         assert_eq!(verdict(&a, &q, &[1.0, 1.0], 1e-9).status, Status::Solved);
         assert_ne!(verdict(&a, &q, &[1.0, 0.0], 1e-6).status, Status::Solved);
+    }
+
+    #[test]
+    fn a_message_never_says_that_a_small_residual_is_above_tol() {
+        // w_2 = 1e16 - 1 beside z_2 = 1, in a row of a point of size 1e16.
+        let found = verdict(&[0.0, 1.0, 1.0, 0.0], &[-1.0, -1.0], &[1e16, 1.0], 1e-9);
+        assert_eq!(found.status, Status::NumericalBreakdown);
+        assert!(found.residual <= 1e-9 && !found.message.contains(" > tol"), "{}", found.message);
     }
 
     #[test]

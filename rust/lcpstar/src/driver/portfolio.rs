@@ -178,11 +178,13 @@ const BLOCK_PIVOTING_BUDGET: usize = 25;
 
 /// One linear programme decides whether FEA(q, A) is empty, whatever the class of A: the ray of Lemke's method need not.
 fn feasible_point(lcp: &Lcp, control: &Control<'_>) -> Candidate {
-    let found = feasibility::feasibility(lcp, &control.with_max_iterations(None));
+    let found = feasibility::feasibility(lcp, control);
+    let limited = control.max_iterations.is_some();
     let ended = |termination| Candidate::point(vec![0.0; lcp.n()], termination, found.iterations);
     match found.verdict {
         feasibility::Verdict::Infeasible(y) => Candidate { farkas: Some(y), ..ended(Termination::Infeasible) },
         feasibility::Verdict::Stopped(why @ (Termination::TimeLimit | Termination::Interrupted)) => ended(why),
+        feasibility::Verdict::Stopped(why @ Termination::IterationLimit) if limited => ended(why),
         feasibility::Verdict::Feasible(_) | feasibility::Verdict::Stopped(_) => {
             ended(Termination::Breakdown("a linear programme did not show that FEA(q, A) is empty"))
         }
