@@ -13,7 +13,8 @@ export OMP_NUM_THREADS ?= 1
 
 RUST_SOURCES := $(shell find rust -name '*.rs') Cargo.toml Cargo.lock rust/lcpstar/Cargo.toml rust/lcpstar-py/Cargo.toml
 
-.PHONY: help demo build test test-rust test-python lint fmt bench bench-deps bench-tradeoff corpus stress stress-record wheel docs all clean fuzz miri coverage soak
+.PHONY: help demo build test test-rust test-python lint fmt bench bench-deps bench-tradeoff corpus stress stress-record fuzz miri soak \
+	coverage wheel docs all clean
 
 help: ## list the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 16
@@ -71,6 +72,12 @@ bench-deps: $(VENV)/.bench ## the peers that benchmarks compare with
 bench: build $(VENV)/.bench ## benchmarks beside peers, recorded in benches/record/
 	$(PY) benches/run.py
 
+corpus: build ## every problem of $$LCPSTAR_CORPUS solved and proved; writes docs/corpus.md
+	cd benches && ../$(PY) corpus.py
+
+bench-tradeoff: build ## every method at every tolerance, recorded with plots; about 10 minutes
+	$(PY) benches/tradeoff.py
+
 TIME ?= 600
 FUZZ := target/release/lcpstar-fuzz
 fuzz: ## coverage-guided fuzzing of the core for TIME=600 seconds; needs a C++ compiler
@@ -90,12 +97,6 @@ coverage: build ## lines and branches of the core reached by both test suites; n
 
 soak: build ## a million calls, threads, forks, interrupts, shutdowns
 	$(PY) benches/soak.py
-
-corpus: build ## every problem of $$LCPSTAR_CORPUS solved and proved; writes docs/corpus.md
-	cd benches && ../$(PY) corpus.py
-
-bench-tradeoff: build ## every method at every tolerance, recorded with plots; about 10 minutes
-	$(PY) benches/tradeoff.py
 
 wheel: $(VENV)/.dev ## an abi3 wheel in dist/
 	$(BIN)/maturin build --profile dist --out dist

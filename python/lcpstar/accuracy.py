@@ -16,9 +16,9 @@ from .sparse import as_rows, is_sparse
 class Accuracy:
     """How accurate a point z is, with `w = A z + q` in twice the working precision.
 
-    `natural_residual` is `max|min(z, w)|`, `residual` the scale-free residual that `tol` bounds. `backward_error` is the
-    least omega such that z solves a problem whose entries differ from the given ones by the fraction omega: `|w_i|` (where
-    `z_i > 0`) or `max(0, -w_i)` (where `z_i = 0`) over `(|A||z| + |q|)_i`, at its largest. `error_bound` bounds
+    `natural_residual` is `max|min(z, w)|`, `residual` the scale-free residual that `tol` bounds. `backward_error` is
+    the least omega such that z solves a problem whose entries differ from the given ones by the fraction omega: `|w_i|`
+    (where `z_i > 0`) or `max(0, -w_i)` (where `z_i = 0`) over `(|A||z| + |q|)_i`, at its largest. `error_bound` bounds
     `max|z - z*|` for the only solution z*, rounding errors included; None where nothing is proved. `bound_reason` names
     the theorem, or says why there is none.
     """
@@ -50,11 +50,11 @@ def accuracy(A: ArrayLike, q: ArrayLike, sol: Any) -> Accuracy:
 
     Notes
     -----
-    Two classes have a bound. H-matrices with positive diagonal, M-matrices among them: `|z - z*| <= v` for any v > 0 with
-    `<A> v >= |min(diag(A) z, w)|`, where `<A>` is the comparison matrix; one solve finds v, and the inequality is checked
-    with room for rounding [CX06]. Dense A with A + A' positive definite: `max|r| + |(A - I) r|_2 / lambda`, r = min(z, w),
-    with a lower bound lambda of the least eigenvalue that a finished Cholesky factorisation proves [Rum06]. The smaller one
-    is given. O(n^3); sparse A: one sparse factorisation.
+    Two classes have a bound. H-matrices with positive diagonal, M-matrices among them: `|z - z*| <= v` for any v > 0
+    with `<A> v >= |min(diag(A) z, w)|`, where `<A>` is the comparison matrix; one solve finds v, and the inequality is
+    checked with room for rounding [CX06]. Dense A with A + A' positive definite: `max|r| + |(A - I) r|_2 / lambda`,
+    r = min(z, w), with a lower bound lambda of the least eigenvalue that a finished Cholesky factorisation proves
+    [Rum06]. The smaller one is given. O(n^3); sparse A: one sparse factorisation.
 
     Examples
     --------

@@ -88,7 +88,10 @@ class InteriorPointOptions:
 
 @dataclass(frozen=True)
 class PgsOptions:
-    """Options of `method="pgs"`: `relaxation` in (0, 2) (default 1), `symmetric` (default False): every other sweep downwards."""
+    """Options of `method="pgs"`.
+
+    `relaxation` in (0, 2) (default 1); `symmetric` (default False): every other sweep runs downwards.
+    """
 
     relaxation: float | None = None
     symmetric: bool | None = None
@@ -98,8 +101,8 @@ class PgsOptions:
 class PgsSmOptions:
     """Options of `method="pgs_sm"`.
 
-    `sweeps` (default 5) before the first solve; `solves` (default 4) on the support in a round, after each of which indices with
-    the wrong sign leave; `relaxation` of the sweeps in (0, 2) (default 1).
+    `sweeps` (default 5) before the first solve; `solves` (default 4) on the support in a round, after each of which
+    indices with the wrong sign leave; `relaxation` of the sweeps in (0, 2) (default 1).
     """
 
     sweeps: int | None = None
@@ -115,8 +118,8 @@ class PgsSmOptions:
 class AdmmOptions:
     """Options of `method="admm"`.
 
-    `rho` (default 0.1) is the first penalty, on the equilibrated problem; it adapts. `relaxation` in (0, 2) (default 1.6).
-    `polish` (default True): solve on the support when it has settled.
+    `rho` (default 0.1) is the first penalty, on the equilibrated problem; it adapts. `relaxation` in (0, 2) (default
+    1.6). `polish` (default True): solve on the support when it has settled.
     """
 
     rho: float | None = None

@@ -49,8 +49,8 @@ def solve_sparse(
     """Solve LCP(q, A) for a `scipy.sparse` A; called by `lcpstar.solve`.
 
     "auto" is the interior point method with sparse factorisations: monotone A (A + A' PSD) is solved or certified
-    infeasible. The approximate methods work on A by rows and columns. The residual is that of the problem scaled to `D A D`.
-    `certify="exact"` works on a dense copy and raises TooLargeError for n > 2000.
+    infeasible. The approximate methods work on A by rows and columns. The residual is that of the problem scaled to
+    `D A D`. `certify="exact"` works on a dense copy and raises TooLargeError for n > 2000.
     """
     guess = None if z0 is None else as_vector("z0", z0)
     return _core.solve_sparse(*as_rows(A, q), method, tol, max_iterations, time_limit, guess, certify, options)

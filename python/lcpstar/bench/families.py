@@ -106,6 +106,8 @@ SWEEPS: tuple[str, ...] = (CONDITION, MASS)
 _SWEEP_VALUES = {CONDITION: [10.0**k for k in range(0, 17, 2)], MASS: [10.0**k for k in range(9)]}
 
 CORPUS_CONTACT = "corpus_contact"
+#: Not measured from a warm start.
+COLD_ONLY: tuple[str, ...] = (*SWEEPS, CORPUS_CONTACT)
 _CONTACT_FILES = ("fclib_", "siconos_fc_", "dart_", "batch_dartfork_")
 _PER_BATCH = 3
 

@@ -5,7 +5,7 @@ mod extreme;
 
 use crate::exact::sufficiency::{self, NotSufficient};
 use crate::linalg::kernels::max_abs;
-use crate::residual::{equilibrated_residual, natural_residual, slack};
+use crate::residual::{ABSOLUTE, equilibrated_residual, natural_residual, off_by, slack};
 use crate::scaling::{Equilibrated, ORDINARY, Scaling};
 use crate::solution::{Candidate, Certificate, Ray, Solution};
 use crate::sparse::SparseLcp;
@@ -19,10 +19,6 @@ struct Judged {
     natural_residual: f64,
     solves: bool,
 }
-
-/// On the equilibrated problem, where `max|q'| < 1`, `max|min(z', w')|` itself must be below `max(tol, ABSOLUTE)`: both other
-/// tests allow rounding in proportion to z, and a z of 1e16 from a nearly singular block would pass them with any error.
-const ABSOLUTE: f64 = 1e-6;
 
 /// Turns what `method` found on the equilibrated problem into a verified [`Solution`] of the caller's. O(n^2).
 ///
@@ -161,15 +157,6 @@ fn measure(scaling: &Scaling, max_q: f64, z: Vec<f64>, w: Vec<f64>, magnitude: V
         z: caller_z,
         w: caller_w,
     }
-}
-
-/// How far `w_i` is from what `z_i` asks for: zero where `z_i > 0`, nonnegative elsewhere.
-///
-/// Divided by `m_i = (|A||z| + |q|)_i` it does not depend on the units of any row or column, and its largest quotient is the
-/// least omega such that z solves exactly some LCP(q + e, A + E) with `|E| <= omega |A|`, `|e| <= omega |q|` entry by entry:
-/// w_i is a sum of terms each of which may change by that part of itself. [Hig02, sec. 7.2]
-fn off_by(z: f64, w: f64) -> f64 {
-    if z > 0.0 || w.is_nan() { w.abs() } else { (-w).max(0.0) }
 }
 
 /// As [`certify`], for a sparse problem and its scaled copy. O(nnz).

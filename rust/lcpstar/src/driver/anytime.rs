@@ -14,12 +14,12 @@ use crate::status::{Status, Termination};
 /// From this `tol` on, an approximate answer may be all that is asked for.
 const LOOSE: f64 = 1e-6;
 /// Sweeps of the attempt when `tol` is loose.
-const SWEEPS: usize = 60;
+const SWEEPS: usize = 30;
 /// Sweeps of the attempt when only time is short: it is there to be better than nothing.
 const FIRST_SWEEPS: usize = 20;
 
-/// The portfolio, with an attempt before it where the settings ask for one. The attempt answers when it reaches `tol`; its point
-/// is kept, too, when the portfolio runs out of time with a worse one.
+/// The portfolio, with an attempt before it where the settings ask for one. Under a loose `tol` the attempt answers when it
+/// reaches it; under a time limit its point is there for a portfolio that runs out of time with a worse one.
 pub(super) fn auto(problem: &Equilibrated<'_>, settings: &Settings, control: &Control<'_>) -> Solution {
     let loose = settings.tol >= LOOSE && settings.certify == Certify::Float;
     if (!loose && control.deadline.is_none()) || !sweeps_apply(problem) {
@@ -32,7 +32,7 @@ pub(super) fn auto(problem: &Equilibrated<'_>, settings: &Settings, control: &Co
     };
     let limit = control.max_iterations.unwrap_or(usize::MAX);
     let attempt = solve(problem, settings, &method, &control.with_max_iterations(Some(sweeps.min(limit))));
-    if attempt.status == Status::Solved {
+    if loose && attempt.status == Status::Solved {
         return attempt;
     }
     let left = control.max_iterations.map(|limit| limit - attempt.iterations.min(limit));

@@ -2,6 +2,7 @@
 
 use super::Matrix;
 use crate::linalg::kernels::max_abs;
+use crate::residual::{ABSOLUTE, off_by};
 use crate::scaling::{Scaling, times_power_of_two};
 
 /// The residual to reach, measured on the equilibrated problem whatever problem the iteration runs on.
@@ -26,9 +27,6 @@ pub struct Measure {
     /// `max|min(z', w')|`.
     pub natural: f64,
 }
-
-/// `certify` bounds `max|min(z', w')|` by the larger of `tol` and this.
-const ABSOLUTE: f64 = 1e-6;
 
 impl Goal {
     /// The goal of an iteration on the problem scaled by `scaling`, measured on that scaled by `target`. `q` is the caller's.
@@ -80,16 +78,28 @@ impl Goal {
         Measure { residual: natural / largest, natural }
     }
 
-    /// Whether the point is as good as `certify` will ask: both views, and every row in the caller's units.
+    /// Whether `certify` will accept the point, or the point without the smaller member of each pair. O(n^2) for a dense A.
     #[must_use]
     pub fn is_reached(&self, matrix: &impl Matrix, z: &[f64]) -> bool {
         let (w, magnitude) = matrix.slack(z);
-        let measure = self.measure(z, &w);
+        if self.accepts(z, &w, &magnitude) {
+            return true;
+        }
+        let factor = |factors: &[f64], i: usize| factors.get(i).copied().unwrap_or(1.0);
+        let smaller = |i: usize| z[i] * factor(&self.z_factor, i) < w[i] * factor(&self.w_factor, i);
+        let pairs: Vec<f64> = (0..z.len()).map(|i| if smaller(i) { 0.0 } else { z[i] }).collect();
+        let (w, magnitude) = matrix.slack(&pairs);
+        self.accepts(&pairs, &w, &magnitude)
+    }
+
+    /// The views of `certify`: both residuals, every row in the caller's units, and every row beside its own numbers.
+    fn accepts(&self, z: &[f64], w: &[f64], magnitude: &[f64]) -> bool {
         let allowed = 10.0 * self.tol * self.max_q;
-        self.may_be_reached(measure)
+        self.may_be_reached(self.measure(z, w))
             && (0..z.len()).all(|i| {
-                let (z, w) = (z[i] * self.z_caller[i], w[i] * self.w_caller[i]);
-                z.min(w).abs() <= allowed + 8.0 * f64::EPSILON * magnitude[i] * self.w_caller[i]
+                let (caller_z, caller_w) = (z[i] * self.z_caller[i], w[i] * self.w_caller[i]);
+                caller_z.min(caller_w).abs() <= allowed + 8.0 * f64::EPSILON * magnitude[i] * self.w_caller[i]
+                    && off_by(z[i], w[i]) <= (self.tol + 8.0 * f64::EPSILON) * magnitude[i]
             })
     }
 
