@@ -184,6 +184,7 @@ INTERRUPTED = """
     import numpy as np, lcpstar
     from lcpstar.problems import murty
 
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background jobs ignore it
     rng = np.random.default_rng(int(sys.argv[1]))
     pause = random.Random(int(sys.argv[1]))
     n, count = 6, 20000

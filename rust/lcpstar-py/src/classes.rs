@@ -41,7 +41,8 @@ fn search<T: Send>(
     let signal: Mutex<Option<PyErr>> = Mutex::new(None);
     let (result, progress) = enter_core(py, || {
         let cancelled = || {
-            let raised = Python::attach(|py| py.check_signals().err());
+            // `None` while the interpreter shuts down: the process ends with this thread in it.
+            let raised = Python::try_attach(|py| py.check_signals().err()).flatten();
             let stop = raised.is_some() || stop.load(Ordering::Relaxed);
             if let (Some(error), Ok(mut slot)) = (raised, signal.lock()) {
                 *slot = Some(error);

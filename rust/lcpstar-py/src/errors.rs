@@ -71,9 +71,10 @@ impl Signals {
             return false;
         }
         *next = now + SIGNAL_PERIOD;
-        match Python::attach(|py| py.check_signals()) {
-            Ok(()) => false,
-            Err(error) => {
+        match Python::try_attach(|py| py.check_signals()) {
+            // No interpreter to ask: it is shutting down, and the process ends with this thread in it.
+            None | Some(Ok(())) => false,
+            Some(Err(error)) => {
                 self.pending.lock().map(|mut pending| pending.replace(error)).ok();
                 true
             }
