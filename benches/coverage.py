@@ -65,8 +65,8 @@ def measure():
     run(sys.executable, "-m", "pytest", "-q", *sys.argv[1:], **environment, PYTHONPATH=str(package.parent))
     merged = TARGET / "lcpstar.profdata"
     run(profdata, "merge", "--sparse", "--failure-mode=all", "-o", merged, *profiles.glob("*.profraw"))
-    objects = [argument for binary in [*binaries, extension] for argument in ("--object", binary)]
-    return run(cov, "export", "--format=lcov", "--instr-profile", merged, *objects, SOURCES)
+    others = [argument for binary in binaries for argument in ("--object", binary)]
+    return run(cov, "export", extension, "--format=lcov", "--instr-profile", merged, *others, "--sources", SOURCES)
 
 
 def parse(report):
