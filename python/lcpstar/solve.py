@@ -33,12 +33,13 @@ def solve(
     Parameters
     ----------
     A : (n, n) array_like of real numbers, or a scipy.sparse matrix or array
-        Need not be symmetric. Copied; never modified. A sparse A stays sparse: methods "auto" and "interior_point".
+        Need not be symmetric. Copied; never modified. A sparse A stays sparse: methods "auto",
+        "interior_point" and the approximate ones.
     q : (n,) array_like of real numbers
     method : str
         "auto" (a documented portfolio, see docs/methods.md), "lemke", "lemke_howson", "principal_pivoting",
         "block_pivoting", "chandrasekaran" (Z-matrices), "enumerate" (n <= 24), "bilinear", "interior_point",
-        "potential_reduction".
+        "potential_reduction", and the approximate "newton", "pgs", "pgs_sm", "nncg", "apgd", "admm".
     tol : float in (0, 1)
         Bounds `Solution.residual` of a solved problem: `max|min(z', w')| / max(1, max|z'|)` on the problem
         equilibrated by powers of two, so it does not depend on units.

@@ -201,7 +201,7 @@ def _solved(problem: _Problem, sol: _Answer, tol: float) -> list[Check]:
     certificate = sol.certificate
     with np.errstate(over="ignore", invalid="ignore"):
         off = np.where(z > 0, np.abs(w), np.maximum(-w, 0.0))
-        own = bool(np.all(off <= tol * problem.size(z) + problem.rounding(z)))
+        own = bool(np.all(off <= tol**0.5 * problem.size(z) + problem.rounding(z)))
     return [
         Check("z >= 0", bool(np.all(z >= 0))),
         Check("|min(z, w)| is small in every row", rows, detail),
