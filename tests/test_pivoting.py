@@ -161,19 +161,19 @@ GOLDEN = {
     ("murty", 40): (2, 2, 1),
     ("fathi", 4): (6, 4, 1),
     ("fathi", 20): (18, 4, 1),
-    ("fathi", 60): (29, 4, 1),
+    ("fathi", 60): (1, 4, 1),
     ("csizmadia", 4): (5, 5, 4),
     ("csizmadia", 32): (64, 33, 32),
     ("csizmadia", 60): (120, 144, 97),
     ("morris", 5): (6, 6, 13),
     ("morris", 15): (26, 16, 113),
-    ("morris", 31): (1, 32, 481),
+    ("morris", 31): (56, 32, 481),
     ("box_stack", 1): (3, 4, 3),
     ("box_stack", 3): (7, 10, 9),
-    ("box_stack", 10): (21, 31, 30),
+    ("box_stack", 10): (24, 31, 30),
     ("degenerate", 4): (2, 2, 1),
     ("degenerate", 16): (4, 4, 3),
-    ("degenerate", 30): (9, 9, 36),
+    ("degenerate", 30): (11, 9, 36),
 }
 FAMILIES = (murty, fathi, csizmadia, morris, box_stack, degenerate)
 
