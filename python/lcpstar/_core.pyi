@@ -66,8 +66,8 @@ class Solution:
     def trace(self) -> Any: ...
 
 def solve(
-    a: Matrix,
-    q: Vector,
+    a: object,
+    q: object,
     method_name: str,
     tol: float,
     max_iterations: int | None,
@@ -75,7 +75,7 @@ def solve(
     z0: Vector | None,
     certify: str,
     options: MethodOptions | None,
-) -> Solution: ...
+) -> Solution | None: ...
 def ppt(a: Matrix, alpha: Sequence[int], q: Vector | None) -> tuple[Matrix, Vector]: ...
 def potential_reduction(
     a: Matrix,

@@ -9,7 +9,16 @@ use std::time::{Duration, Instant};
 
 /// Runs `f` with the interpreter released. A panic in the core becomes `lcpstar.InternalError`, never a `BaseException`.
 pub fn enter_core<T: Send>(py: Python<'_>, f: impl FnOnce() -> lcpstar::Result<T> + Send) -> PyResult<T> {
-    match py.detach(|| catch_unwind(AssertUnwindSafe(f))) {
+    outcome(py, py.detach(|| catch_unwind(AssertUnwindSafe(f))))
+}
+
+/// As [`enter_core`] with the interpreter held: for calls that end sooner than it could be released and taken back.
+pub fn enter_core_briefly<T>(py: Python<'_>, f: impl FnOnce() -> lcpstar::Result<T>) -> PyResult<T> {
+    outcome(py, catch_unwind(AssertUnwindSafe(f)))
+}
+
+fn outcome<T>(py: Python<'_>, result: std::thread::Result<lcpstar::Result<T>>) -> PyResult<T> {
+    match result {
         Ok(result) => result.map_err(|e| to_python(py, &e)),
         Err(panic) => {
             let text = panic
@@ -58,8 +67,14 @@ pub struct Signals {
 const SIGNAL_PERIOD: Duration = Duration::from_millis(50);
 
 impl Signals {
+    /// A call that begins now.
     pub fn new() -> Self {
-        Self { next: Mutex::new(Instant::now() + SIGNAL_PERIOD), pending: Mutex::new(None) }
+        Self::since(Instant::now())
+    }
+
+    /// A call that began at `start`.
+    pub fn since(start: Instant) -> Self {
+        Self { next: Mutex::new(start + SIGNAL_PERIOD), pending: Mutex::new(None) }
     }
 
     /// Whether a signal handler raised; the exception is kept for [`Signals::raise`].
