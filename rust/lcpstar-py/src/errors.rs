@@ -4,12 +4,37 @@ use lcpstar::LcpError;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::Mutex;
+use std::sync::{Mutex, OnceLock};
+use std::thread::ThreadId;
 use std::time::{Duration, Instant};
 
 /// Runs `f` with the interpreter released. A panic in the core becomes `lcpstar.InternalError`, never a `BaseException`.
 pub fn enter_core<T: Send>(py: Python<'_>, f: impl FnOnce() -> lcpstar::Result<T> + Send) -> PyResult<T> {
-    outcome(py, py.detach(|| catch_unwind(AssertUnwindSafe(f))))
+    let released = || {
+        let result = catch_unwind(AssertUnwindSafe(f));
+        stay_if_closing();
+        result
+    };
+    outcome(py, py.detach(released))
+}
+
+/// The thread in which the interpreter has begun to shut down.
+static CLOSING: OnceLock<ThreadId> = OnceLock::new();
+
+/// Called once by the interpreter before it shuts down.
+#[pyfunction]
+pub fn close() {
+    CLOSING.get_or_init(|| std::thread::current().id());
+}
+
+/// A daemon thread must not come back to an interpreter that shuts down: before Python 3.14 that unwinds it through
+/// Rust, which aborts the process. It stays here until the process ends.
+fn stay_if_closing() {
+    if CLOSING.get().is_some_and(|&closing| closing != std::thread::current().id()) {
+        loop {
+            std::thread::park();
+        }
+    }
 }
 
 /// As [`enter_core`] with the interpreter held: for calls that end sooner than it could be released and taken back.
@@ -86,6 +111,9 @@ impl Signals {
             return false;
         }
         *next = now + SIGNAL_PERIOD;
+        if CLOSING.get().is_some() {
+            return false;
+        }
         match Python::attach(|py| py.check_signals()) {
             Ok(()) => false,
             Err(error) => {
