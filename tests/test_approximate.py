@@ -91,7 +91,8 @@ def test_the_values_of_a_warm_start_are_used(method):
     cold = lcpstar.solve(A, q, method=method, tol=1e-8, max_iterations=100_000)
     near = lcpstar.solve(A, q, method=method, tol=1e-8, z0=best.z * (1 + 1e-6), max_iterations=100_000)
     assert near.success
-    assert near.iterations <= cold.iterations
+    # One round of pgs_sm, five sweeps and a solve, is the least it does.
+    assert near.iterations < cold.iterations or (method == "pgs_sm" and near.iterations == 5)
 
 
 def test_newton_from_a_nearly_right_start_takes_one_factorisation():
