@@ -27,7 +27,7 @@ def exactly_solvable(A, q):
 
 
 def distance(A, q, z):
-    """The least omega with |E| <= omega |A|, |e| <= omega |q| such that z solves LCP(q + e, A + E): exact but for one division."""
+    """The least omega with |E| <= omega |A|, |e| <= omega |q| such that z solves LCP(q + e, A + E)."""
     worst = 0.0
     for i, row in enumerate(A):
         terms = [Fraction(float(a)) * x for a, x in zip(row, fractions(z), strict=True)] + [Fraction(float(q[i]))]
@@ -95,11 +95,12 @@ def test_results_stay_finite_and_true_at_the_ends_of_the_range(name, method, cer
     if solution.success:
         assert distance(A, q, solution.z) <= 1e-9 + 8 * np.finfo(float).eps
         for row, p, w in zip(A, q, solution.w, strict=True):
-            terms = [Fraction(float(a)) * x for a, x in zip(row, fractions(solution.z), strict=True)] + [Fraction(float(p))]
+            terms = [Fraction(float(a)) * x for a, x in zip(row, fractions(solution.z), strict=True)] + [
+                Fraction(float(p))
+            ]
             assert abs(sum(terms) - Fraction(float(w))) <= Fraction(1e-15) * sum(map(abs, terms)) + Fraction(5e-324)
     elif solution.status == "infeasible":
-        y = fractions(solution.certificate.y)
-        assert np.isfinite(solution.certificate.y).all()
+        y = [Fraction(v) for v in solution.certificate.y]  # refuses NaN and infinity
         assert min(y) >= 0
         assert sum(Fraction(float(p)) * v for p, v in zip(q, y, strict=True)) < 0
         for column in A.T:
@@ -108,12 +109,12 @@ def test_results_stay_finite_and_true_at_the_ends_of_the_range(name, method, cer
 
 
 def test_the_small_kernel_is_no_easier_than_certify():
-    """A violation of 1.2e-3 on the equilibrated problem is more than tol = 1e-3."""
+    """A violation of 6e-4 on the equilibrated problem is more than tol = 5e-4."""
     A = np.array([[4.0, 4, -4], [4, 4, -4], [-4, -4, 4]])
     q = np.array([-3.919771501409369, -4.122678195581982, 4.113056364198336])
-    assert not lcpstar.solve(A, q, tol=1e-3, method="lemke").success
-    assert not lcpstar.solve(A, q, tol=1e-3).success
-    assert not lcpstar.solve_batch(np.stack([A] * 9), np.stack([q] * 9), tol=1e-3).success.any()
+    assert not lcpstar.solve(A, q, tol=5e-4, method="lemke").success
+    assert not lcpstar.solve(A, q, tol=5e-4).success
+    assert not lcpstar.solve_batch(np.stack([A] * 9), np.stack([q] * 9), tol=5e-4).success.any()
 
 
 @settings(max_examples=400, deadline=None)

@@ -66,8 +66,8 @@ class Solution:
     def trace(self) -> Any: ...
 
 def solve(
-    a: Matrix,
-    q: Vector,
+    a: object,
+    q: object,
     method_name: str,
     tol: float,
     max_iterations: int | None,
@@ -75,7 +75,7 @@ def solve(
     z0: Vector | None,
     certify: str,
     options: MethodOptions | None,
-) -> Solution: ...
+) -> Solution | None: ...
 def ppt(a: Matrix, alpha: Sequence[int], q: Vector | None) -> tuple[Matrix, Vector]: ...
 def potential_reduction(
     a: Matrix,
@@ -163,8 +163,9 @@ def solve_sparse(
     options: MethodOptions | None,
 ) -> Solution: ...
 def solve_batch(
-    a: NDArray[np.float64],
-    q: NDArray[np.float64],
+    n: int,
+    a: NDArray[np.float64] | NDArray[np.float32],
+    q: NDArray[np.float64] | NDArray[np.float32],
     count: int,
     a_map: NDArray[np.uintp] | None,
     q_map: NDArray[np.uintp] | None,
@@ -172,6 +173,7 @@ def solve_batch(
     tol: float,
     threads: int,
     guess: NDArray[np.uint64] | NDArray[np.bool_] | NDArray[np.float64] | None,
+    polish: bool,
 ) -> tuple[
     NDArray[np.float64],
     NDArray[np.float64],

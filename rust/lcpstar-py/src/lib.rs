@@ -42,6 +42,8 @@ mod _core {
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        let close = pyo3::wrap_pyfunction!(crate::errors::close, module)?;
+        module.py().import("atexit")?.call_method1("register", (close,))?;
         module.add("METHODS", PyTuple::new(module.py(), lcpstar::driver::Method::NAMES)?)?;
         module.add("__version__", env!("CARGO_PKG_VERSION"))
     }

@@ -5,7 +5,7 @@ mod extreme;
 
 use crate::exact::sufficiency::{self, NotSufficient};
 use crate::linalg::kernels::max_abs;
-use crate::residual::{ABSOLUTE, equilibrated_residual, natural_residual, off_by, slack};
+use crate::residual::{ABSOLUTE, SPARSE_FLOOR, equilibrated_residual, holds_alone, natural_residual, slack};
 use crate::scaling::{Equilibrated, ORDINARY, Scaling};
 use crate::solution::{Candidate, Certificate, Ray, Solution};
 use crate::sparse::SparseLcp;
@@ -23,8 +23,8 @@ struct Judged {
 /// Turns what `method` found on the equilibrated problem into a verified [`Solution`] of the caller's. O(n^2).
 ///
 /// "Solved" needs every view: the scale-free residual within `tol`; in the caller's own units
-/// `|min(z, w)|_i <= 10 tol max|q| + 8 eps (|A||z| + |q|)_i` in every row; and every row within `tol` of its own numbers, see
-/// [`off_by`]. So neither a badly scaled row nor a badly chosen unit can hide an error; nor can a huge z, see `ABSOLUTE`.
+/// `|min(z, w)|_i <= 10 tol max|q| + 8 eps (|A||z| + |q|)_i` in every row; and every row holds to its own numbers, see
+/// [`holds_alone`]. So neither a badly scaled row nor a badly chosen unit can hide an error; nor can a huge z, see `ABSOLUTE`.
 #[must_use]
 pub fn certify(problem: &Equilibrated<'_>, mut candidate: Candidate, method: &'static str, tol: f64) -> Solution {
     let judged = judge(problem, std::mem::take(&mut candidate.z), tol);
@@ -79,7 +79,7 @@ fn conclude(
 
 /// Recomputes `w`, both residuals and the row tests. Negative entries of `z` are set to zero first.
 fn judge(problem: &Equilibrated<'_>, z: Vec<f64>, tol: f64) -> Judged {
-    let judged = judge_point(&problem.scaling, max_abs(problem.original.q()), z, tol, |z| slack(&problem.lcp, z));
+    let judged = judge_point(&problem.scaling, max_abs(problem.original.q()), z, tol, 0.0, |z| slack(&problem.lcp, z));
     if problem.is_ordinary && judged.z.iter().all(|&z| z == 0.0 || ORDINARY.contains(&z)) {
         return judged;
     }
@@ -95,6 +95,7 @@ fn judge_point(
     max_q: f64,
     mut z: Vec<f64>,
     tol: f64,
+    floor: f64,
     slack: impl Fn(&[f64]) -> (Vec<f64>, Vec<f64>),
 ) -> Judged {
     for x in &mut z {
@@ -111,7 +112,7 @@ fn judge_point(
     let noise = NOISE * max_abs(&z);
     let pairs: Vec<f64> = z.iter().zip(&w).map(|(&z, &w)| if z < w { 0.0 } else { z }).collect();
     let without_noise: Vec<f64> = pairs.iter().map(|&z| if z <= noise { 0.0 } else { z }).collect();
-    let first = measure(scaling, max_q, z, w, magnitude, tol);
+    let first = measure(scaling, max_q, z, w, magnitude, tol, floor);
     if first.solves {
         return first;
     }
@@ -120,7 +121,7 @@ fn judge_point(
         if z != seen {
             let (w, magnitude) = slack(&z);
             seen.clone_from(&z);
-            let judged = measure(scaling, max_q, z, w, magnitude, tol);
+            let judged = measure(scaling, max_q, z, w, magnitude, tol, floor);
             if judged.solves {
                 return judged;
             }
@@ -131,16 +132,24 @@ fn judge_point(
     }
     let z = vec![0.0; first.z.len()];
     let (w, magnitude) = slack(&z);
-    measure(scaling, max_q, z, w, magnitude, tol)
+    measure(scaling, max_q, z, w, magnitude, tol, floor)
 }
 
 /// An entry of z below this part of the largest one may be rounding error.
 const NOISE: f64 = 1e-13;
 
 /// One point with its `w'` and `m' = |A'||z'| + |q'|`.
-fn measure(scaling: &Scaling, max_q: f64, z: Vec<f64>, w: Vec<f64>, magnitude: Vec<f64>, tol: f64) -> Judged {
+fn measure(
+    scaling: &Scaling,
+    max_q: f64,
+    z: Vec<f64>,
+    w: Vec<f64>,
+    magnitude: Vec<f64>,
+    tol: f64,
+    floor: f64,
+) -> Judged {
     let residual = equilibrated_residual(&z, &w);
-    let rows_hold = (0..z.len()).all(|i| off_by(z[i], w[i]) <= (tol + 8.0 * f64::EPSILON) * magnitude[i]);
+    let rows_hold = (0..z.len()).all(|i| holds_alone(z[i], w[i], magnitude[i], tol, floor));
     let caller_z = scaling.z_to_caller(&z);
     let caller_w = scaling.w_to_caller(&w);
     let magnitude = scaling.w_to_caller(&magnitude);
@@ -170,7 +179,7 @@ pub fn certify_sparse(
     tol: f64,
 ) -> Solution {
     let z = std::mem::take(&mut candidate.z);
-    let judged = judge_point(scaling, max_abs(original.q()), z, tol, |z| scaled.slack(z));
+    let judged = judge_point(scaling, max_abs(original.q()), z, tol, SPARSE_FLOOR, |z| scaled.slack(z));
     let farkas = candidate.farkas.as_deref().and_then(normalised).filter(|y| is_sparse_farkas(scaled, y));
     let certificate = farkas.map(|y| Certificate::Infeasible { y: scaling.multiplier_to_caller(&y), exact: None });
     conclude(judged, candidate, certificate, method, tol, |i, j| original.entry(i, j))

@@ -152,9 +152,24 @@ impl Default for Settings {
 /// # Errors
 /// Only for a broken promise of the caller: a wrong length, a number that is not finite, an option out of range.
 pub fn solve(lcp: &Lcp, settings: &Settings, control: &Control<'_>) -> Result<Solution> {
-    if let Some(solution) = small::solve(lcp, settings, control) {
-        return Ok(solution);
+    match solve_briefly(lcp, settings, control) {
+        Some(solution) => Ok(solution),
+        None => solve_at_length(lcp, settings, control),
     }
+}
+
+/// The first step of [`solve`], a few microseconds at most: the kernel for small problems. `None` says nothing about the
+/// problem or the settings.
+#[must_use]
+pub fn solve_briefly(lcp: &Lcp, settings: &Settings, control: &Control<'_>) -> Option<Solution> {
+    small::solve(lcp, settings, control)
+}
+
+/// What follows in [`solve`].
+///
+/// # Errors
+/// As [`solve`].
+pub fn solve_at_length(lcp: &Lcp, settings: &Settings, control: &Control<'_>) -> Result<Solution> {
     check(lcp, settings)?;
     let problem = Equilibrated::new(lcp);
     let solution = match at_once(&problem, settings) {
@@ -241,7 +256,7 @@ pub fn solve_sparse(lcp: &SparseLcp, settings: &Settings, control: &Control<'_>)
         Method::Auto => (interior_point(&interior_point::Settings::default()), "interior_point"),
         Method::InteriorPoint(options) => (interior_point(options), "interior_point"),
         Method::Approximate(method) => {
-            let goal = Goal::new(tol, &scaling, &scaling, lcp.q());
+            let goal = Goal::of_sparse(tol, &scaling, lcp.q());
             (method.run(&Sparse::new(&scaled), &goal, z0.as_deref(), control), method.name())
         }
         _ => {

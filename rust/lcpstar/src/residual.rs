@@ -32,6 +32,19 @@ pub fn off_by(z: f64, w: f64) -> f64 {
     if z > 0.0 || w.is_nan() { w.abs() } else { (-w).max(0.0) }
 }
 
+/// Whether a row of the equilibrated problem holds to its own numbers, with `m = (|A||z| + |q|)_i`: its error is a small
+/// part of them, or at most `floor`. The part is `sqrt(tol)`, so that it tells a row that is wholly wrong, however small its
+/// numbers, from one that is only as accurate as `tol` asks.
+#[must_use]
+pub fn holds_alone(z: f64, w: f64, m: f64, tol: f64, floor: f64) -> bool {
+    let off = off_by(z, w);
+    off <= tol.sqrt() * m || off <= floor
+}
+
+/// The floor of [`holds_alone`] for a sparse A: rounding beside `max|q'| < 1`. The solution of a discretised equation may
+/// decay to nothing, and no double holds its tail. A dense A has floor 0.
+pub const SPARSE_FLOOR: f64 = 32.0 * f64::EPSILON;
+
 /// On the equilibrated problem, where `max|q'| < 1`, `max|min(z', w')|` itself must be below `max(tol, ABSOLUTE)`: both other
 /// tests allow rounding in proportion to z, and a z of 1e16 from a nearly singular block would pass them with any error.
 pub const ABSOLUTE: f64 = 1e-6;

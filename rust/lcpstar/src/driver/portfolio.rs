@@ -3,7 +3,7 @@
 //! Deterministic; the first member whose point is certified (solved, or infeasible with a checked Farkas vector) answers
 //! and is named in the result. A member that fails costs its pivot budget, never the answer.
 
-use super::{Settings, support};
+use super::{Certify, Settings, small, support};
 use crate::certify::certify;
 use crate::control::Control;
 use crate::linalg::dd::Dd;
@@ -13,6 +13,7 @@ use crate::methods::{
 };
 use crate::problem::Lcp;
 use crate::scaling::Equilibrated;
+use crate::small::TINY_ORDER;
 use crate::solution::{Candidate, Solution};
 use crate::status::{Status, Termination};
 
@@ -134,6 +135,8 @@ pub(super) fn auto(problem: &Equilibrated<'_>, settings: &Settings, control: &Co
     if n >= BLOCK_PIVOTING_FROM && positive_diagonal {
         let options = block_pivoting::Settings {
             alpha: settings.z0.as_deref().map(support),
+            murty: false,
+            shift: if n > TINY_ORDER && settings.certify == Certify::Float { SHIFT } else { 0.0 },
             ..block_pivoting::Settings::default()
         };
         let found = race.run("block_pivoting", |control| {
@@ -142,6 +145,12 @@ pub(super) fn auto(problem: &Equilibrated<'_>, settings: &Settings, control: &Co
         });
         if found {
             return race.finish();
+        }
+        if small::block_pivoting_first(problem.original)
+            && let Some(mut solution) = small::solve_part(problem.original, settings, control)
+        {
+            solution.iterations += race.iterations;
+            return solution;
         }
     }
     if !warm_first && from_guess(&mut race, settings) {
@@ -172,6 +181,10 @@ pub(super) fn auto(problem: &Equilibrated<'_>, settings: &Settings, control: &Co
 
 /// Largest order at which all index sets are tried when everything else has failed.
 const ENUMERATE_UP_TO: usize = 12;
+
+/// Shift of the diagonal for singular symmetric problems that the kernel is too small for: far above rounding, and so far
+/// below 1 that one proximal step makes up for it. Not where a proof is asked for, which needs a nonsingular basis.
+const SHIFT: f64 = 1e-10;
 
 /// Factorisations granted to block pivoting before the portfolio moves on.
 const BLOCK_PIVOTING_BUDGET: usize = 25;

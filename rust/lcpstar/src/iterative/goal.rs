@@ -2,7 +2,7 @@
 
 use super::Matrix;
 use crate::linalg::kernels::max_abs;
-use crate::residual::{ABSOLUTE, off_by};
+use crate::residual::{ABSOLUTE, SPARSE_FLOOR, holds_alone};
 use crate::scaling::{Scaling, times_power_of_two};
 
 /// The residual to reach, measured on the equilibrated problem whatever problem the iteration runs on.
@@ -17,6 +17,8 @@ pub struct Goal {
     z_caller: Vec<f64>,
     w_caller: Vec<f64>,
     max_q: f64,
+    /// [`holds_alone`].
+    floor: f64,
 }
 
 /// The residual of the contract, and its numerator.
@@ -43,7 +45,14 @@ impl Goal {
             z_caller: factors(&|i| scaling.columns[i] - scaling.q),
             w_caller: factors(&|i| -scaling.rows[i] - scaling.q),
             max_q: max_abs(q),
+            floor: 0.0,
         }
+    }
+
+    /// The same for a sparse A.
+    #[must_use]
+    pub fn of_sparse(tol: f64, scaling: &Scaling, q: &[f64]) -> Self {
+        Self { floor: SPARSE_FLOOR, ..Self::new(tol, scaling, scaling, q) }
     }
 
     /// The goal of an iteration on the caller's numbers as they are.
@@ -85,7 +94,6 @@ impl Goal {
         if self.accepts(z, &w, &magnitude) {
             return true;
         }
-        let factor = |factors: &[f64], i: usize| factors.get(i).copied().unwrap_or(1.0);
         let smaller = |i: usize| z[i] * factor(&self.z_factor, i) < w[i] * factor(&self.w_factor, i);
         let pairs: Vec<f64> = (0..z.len()).map(|i| if smaller(i) { 0.0 } else { z[i] }).collect();
         let (w, magnitude) = matrix.slack(&pairs);
@@ -97,15 +105,21 @@ impl Goal {
         let allowed = 10.0 * self.tol * self.max_q;
         self.may_be_reached(self.measure(z, w))
             && (0..z.len()).all(|i| {
+                let g = factor(&self.w_factor, i);
                 let (caller_z, caller_w) = (z[i] * self.z_caller[i], w[i] * self.w_caller[i]);
                 caller_z.min(caller_w).abs() <= allowed + 8.0 * f64::EPSILON * magnitude[i] * self.w_caller[i]
-                    && off_by(z[i], w[i]) <= (self.tol + 8.0 * f64::EPSILON) * magnitude[i]
+                    && holds_alone(z[i] * factor(&self.z_factor, i), w[i] * g, magnitude[i] * g, self.tol, self.floor)
             })
     }
 
     fn may_be_reached(&self, measure: Measure) -> bool {
         measure.residual <= self.tol && measure.natural <= self.tol.max(ABSOLUTE)
     }
+}
+
+/// Empty factors mean 1.
+fn factor(factors: &[f64], i: usize) -> f64 {
+    factors.get(i).copied().unwrap_or(1.0)
 }
 
 /// The best point so far: any stop returns it, so more iterations never give a worse one.
