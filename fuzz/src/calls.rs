@@ -3,7 +3,7 @@
 use crate::exact::Dyadic;
 use crate::input::{Bytes, Problem, Taste, tamed};
 use crate::oracle::{self, Limits};
-use lcpstar::batch::{Alpha, Guess, Output, Problems, Source, solve_batch};
+use lcpstar::batch::{Alpha, Guess, Numbers, Output, Problems, Source, solve_batch};
 use lcpstar::classes::budget::Budget;
 use lcpstar::classes::class::{Class, Facts, SYMBOLS};
 use lcpstar::driver::{self, Approximate, Certify, Method, Settings};
@@ -261,9 +261,9 @@ pub fn batch(bytes: &mut Bytes<'_>) {
         let problems = Problems {
             n,
             count,
-            a: &a,
+            a: Numbers::Double(&a),
             a_source: if one_matrix { Source::One } else { order.map_or(Source::Each, place) },
-            q: &q,
+            q: Numbers::Double(&q),
             q_source: order.map_or(Source::Each, place),
         };
         run_batch(&problems, &method, tol, threads, guess)
@@ -319,7 +319,7 @@ impl Batch {
 }
 
 fn run_batch(
-    problems: &Problems<'_, f64>,
+    problems: &Problems<'_>,
     method: &Method,
     tol: f64,
     threads: usize,

@@ -1,13 +1,28 @@
 //! `small/` compiled on its own, so that Miri need not interpret the rest. Every operation of every kind of lanes is
 //! compared with plain numbers, at every length, and small problems are solved.
 
-#[path = "../../../rust/lcpstar/src/small/mod.rs"]
-#[allow(dead_code)]
-mod small;
+#![allow(dead_code)]
 
+#[path = "../../../rust/lcpstar/src/error.rs"]
+mod error;
+#[path = "../../../rust/lcpstar/src/problem.rs"]
+mod problem;
+#[path = "../../../rust/lcpstar/src/scaling.rs"]
+mod scaling;
+#[path = "../../../rust/lcpstar/src/small/mod.rs"]
+mod small;
+#[path = "../../../rust/lcpstar/src/sparse.rs"]
+mod sparse;
+#[path = "."]
+mod linalg {
+    #[path = "../../../rust/lcpstar/src/linalg/dd.rs"]
+    pub mod dd;
+    #[path = "../../../rust/lcpstar/src/linalg/kernels.rs"]
+    pub mod kernels;
+}
 #[cfg(test)]
 mod tests {
-    use super::small::lane::{F64x8, Lane, Mask};
+    use super::small::lane::{BLOCK, F64x8, Lane, Mask};
     use super::small::solve_one;
 
     const X: [f64; 8] = [0.0, -1.5, 3.0, 1e300, -0.0, 5e-324, 7.25, -2.0];
@@ -46,6 +61,39 @@ mod tests {
         mask.set(5, true);
         assert_eq!(mask.bits(), 1 << 5);
         assert!(mask.any() && !L::Mask::NONE.any() && L::Mask::ALL.get(7));
+    }
+
+    /// Rows of every length beside every number of columns, and places from the first to the last.
+    fn compare_moves<L: Lane<Number = f64>>() {
+        for columns in 0..=BLOCK {
+            let rows: Vec<Vec<f64>> = (0..8).map(|l| (0..columns).map(|k| (10 * l + k) as f64).collect()).collect();
+            let views: Vec<&[f64]> = rows.iter().map(Vec::as_slice).collect();
+            let mut out = vec![L::splat(-1.0); columns];
+            L::load_columns(&views, &mut out);
+            for (k, column) in out.iter().enumerate() {
+                assert_eq!(numbers(*column), std::array::from_fn(|l| (10 * l + k) as f64));
+            }
+            let mut back = [[0.0; BLOCK]; 8];
+            L::store_columns(&out, &mut back);
+            for l in 0..8 {
+                assert_eq!(back[l][..columns], rows[l][..]);
+            }
+        }
+        for count in [1, 2, 9] {
+            let table: Vec<L> = (0..count).map(|i| L::splat(i as f64)).collect();
+            let at = L::from_slice(&[0.0, 1.0, 8.0, -3.0, 1e9, f64::NAN, 0.5, 2.0]);
+            let found = numbers(L::pick(&table, at.index(count, 1)));
+            assert!(found.iter().all(|x| *x >= 0.0 && *x < count as f64), "{found:?}");
+        }
+    }
+
+    #[test]
+    fn moves() {
+        compare_moves::<F64x8<true>>();
+        #[cfg(target_feature = "avx2")]
+        compare_moves::<super::small::avx::Ymm2>();
+        #[cfg(target_feature = "avx512f")]
+        compare_moves::<super::small::avx::Zmm>();
     }
 
     #[test]
