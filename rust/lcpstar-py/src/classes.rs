@@ -19,7 +19,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-use crate::errors::enter_core;
+use crate::errors::{ask, enter_core};
 
 type Vector = Vec<BigInt>;
 
@@ -41,8 +41,7 @@ fn search<T: Send>(
     let signal: Mutex<Option<PyErr>> = Mutex::new(None);
     let (result, progress) = enter_core(py, || {
         let cancelled = || {
-            // `None` while the interpreter shuts down: the process ends with this thread in it.
-            let raised = Python::try_attach(|py| py.check_signals().err()).flatten();
+            let raised = ask(|py| py.check_signals().err()).flatten();
             let stop = raised.is_some() || stop.load(Ordering::Relaxed);
             if let (Some(error), Ok(mut slot)) = (raised, signal.lock()) {
                 *slot = Some(error);

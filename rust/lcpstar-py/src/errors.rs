@@ -4,6 +4,7 @@ use lcpstar::LcpError;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::atomic::{AtomicUsize, Ordering, fence};
 use std::sync::{Mutex, OnceLock};
 use std::thread::ThreadId;
 use std::time::{Duration, Instant};
@@ -12,29 +13,58 @@ use std::time::{Duration, Instant};
 pub fn enter_core<T: Send>(py: Python<'_>, f: impl FnOnce() -> lcpstar::Result<T> + Send) -> PyResult<T> {
     let released = || {
         let result = catch_unwind(AssertUnwindSafe(f));
-        stay_if_closing();
+        if !announce_return() {
+            loop {
+                std::thread::park(); // until the process ends
+            }
+        }
         result
     };
-    outcome(py, py.detach(released))
+    let result = py.detach(released);
+    RETURNING.fetch_sub(1, Ordering::SeqCst);
+    outcome(py, result)
 }
 
 /// The thread in which the interpreter has begun to shut down.
 static CLOSING: OnceLock<ThreadId> = OnceLock::new();
+/// Threads on their way from the core to the interpreter.
+static RETURNING: AtomicUsize = AtomicUsize::new(0);
+/// How long the interpreter waits for them.
+const PATIENCE: Duration = Duration::from_secs(1);
 
-/// Called once by the interpreter before it shuts down.
+/// Called once by the interpreter before it shuts down: lets those in that are waiting for it already.
 #[pyfunction]
-pub fn close() {
+pub fn close(py: Python<'_>) {
     CLOSING.get_or_init(|| std::thread::current().id());
+    fence(Ordering::SeqCst);
+    let start = Instant::now();
+    while RETURNING.load(Ordering::SeqCst) > 0 && start.elapsed() < PATIENCE {
+        py.detach(|| std::thread::sleep(Duration::from_millis(1)));
+    }
 }
 
+/// Counts this thread among [`RETURNING`], and says whether it may return.
+///
 /// A daemon thread must not come back to an interpreter that shuts down: before Python 3.14 that unwinds it through
-/// Rust, which aborts the process. It stays here until the process ends.
-fn stay_if_closing() {
-    if CLOSING.get().is_some_and(|&closing| closing != std::thread::current().id()) {
-        loop {
-            std::thread::park();
-        }
+/// Rust, which aborts the process. Either it sees `CLOSING`, or `close` sees it and waits.
+fn announce_return() -> bool {
+    RETURNING.fetch_add(1, Ordering::SeqCst);
+    fence(Ordering::SeqCst);
+    let stays = CLOSING.get().is_some_and(|&closing| closing != std::thread::current().id());
+    if stays {
+        RETURNING.fetch_sub(1, Ordering::SeqCst);
     }
+    !stays
+}
+
+/// Asks the interpreter from inside the core; `None` when it shuts down and nobody answers.
+pub fn ask<T>(question: impl FnOnce(Python<'_>) -> T) -> Option<T> {
+    if !announce_return() {
+        return None;
+    }
+    let answer = Python::try_attach(question);
+    RETURNING.fetch_sub(1, Ordering::SeqCst);
+    answer
 }
 
 /// As [`enter_core`] with the interpreter held: for calls that end sooner than it could be released and taken back.
@@ -111,11 +141,7 @@ impl Signals {
             return false;
         }
         *next = now + SIGNAL_PERIOD;
-        if CLOSING.get().is_some() {
-            return false;
-        }
-        match Python::try_attach(|py| py.check_signals()) {
-            // The interpreter began to shut down after the look at `CLOSING`: there is nobody to ask.
+        match ask(|py| py.check_signals()) {
             None | Some(Ok(())) => false,
             Some(Err(error)) => {
                 self.pending.lock().map(|mut pending| pending.replace(error)).ok();
