@@ -16,7 +16,7 @@ from lcpstar.bench import drift, families, methods, report, table, tradeoff
 
 DOCS = Path(__file__).parent.parent / "docs"
 FIGURES, GUIDE = DOCS / "figures", DOCS / "guide.md"
-BUDGET = 400.0
+BUDGET = 300.0
 STEPS = 1000
 #: What the guide shows of the work-precision diagrams.
 SHOWN = ("random_spd", "box_stack_1e6", "sphere_pile", "friction", "heavy_on_light", "pyramid_wall", "american_put")
