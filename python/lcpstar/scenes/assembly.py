@@ -22,7 +22,7 @@ from ..coerce import Matrix, Vector
 from .contact import Contacts, Indices
 from .friction import facet_directions, on_facets, with_sliding_speeds
 from .islands import islands
-from .rotation import cross
+from .rotation import cross, rotate
 from .rows import Masses, Rows, contact_rows, joint_rows
 from .scene import Scene
 
@@ -91,6 +91,7 @@ class System:
         self.per_joint = 2 if scene.planar else 3
         self.u = self.masses.pack(scene.velocity, scene.angular_velocity)
         self.free = self._free_velocity()
+        self._projectors: dict[bytes, _Projector] = {}
         self.joint_target = settings.stabilisation / settings.dt * apart
         self.b = self._targets()
         self.error = np.zeros_like(self.u) if error is None else error
@@ -111,10 +112,11 @@ class System:
     def _targets(self) -> Vector:
         gap, settings = self.contacts.gap, self.settings
         b = np.where(gap > 0, gap, settings.stabilisation * gap) / settings.dt
-        before = self.normals.times(self.u)
-        arrives = gap + settings.dt * self.normals.times(self.free) < 0
+        before, after = self.normals.times(self.u), self.normals.times(self.free)
+        arrives = gap + settings.dt * after < 0
         bounces = (self.contacts.restitution > 0) & (before < -settings.bounce_speed) & arrives
-        return np.where(bounces, np.minimum(b, self.contacts.restitution * before), b)
+        # forces act during the bounce, too: without `after - before` it would gain energy of first order in dt
+        return np.where(bounces, np.minimum(b, self.contacts.restitution * before - (after - before)), b)
 
     def _without_noise(self, rows: Rows, u: Matrix, b: Vector) -> Vector:
         """`J u + b`, 0 where it is below the rounding errors of the last step's velocities and of the gaps.
@@ -139,10 +141,9 @@ class System:
 
     def islands(self, included: NDArray[np.bool_], home: Indices, which: Sequence[int]) -> list[Island]:
         """The LCPs of the islands `which` (values of `home`, from `island_of`), in that order."""
-        label = {int(island): k for k, island in enumerate(which)}
-        position = np.full(len(self.scene) + 1, -1, dtype=np.intp)  # the last place is the world's
-        for island, k in label.items():
-            position[:-1][home == island] = k
+        label = np.full(len(self.scene), -1, dtype=np.intp)
+        label[np.asarray(which, dtype=np.intp)] = np.arange(len(which))
+        position = np.append(np.where(home >= 0, label[home], -1), -1)  # the last place is the world's
         of_contact = _owner(position, self.normals.bodies)
         of_contact = np.where(included, of_contact, -1)
         of_joint = _owner(position, self.joints.bodies)[:: self.per_joint]
@@ -211,9 +212,19 @@ class System:
         return dense - (dense @ V.T) @ V, projector.velocity(self.free)
 
     def _projector(self, joints: Indices) -> _Projector:
-        picked = (self.per_joint * joints[:, None] + np.arange(self.per_joint)).ravel()
-        rows = Rows(self.joints.bodies[picked], self.joints.J[picked])
-        return _Projector(rows, self.masses, self.joint_target[picked])
+        key = joints.tobytes()
+        if key not in self._projectors:
+            picked = (self.per_joint * joints[:, None] + np.arange(self.per_joint)).ravel()
+            rows = Rows(self.joints.bodies[picked], self.joints.J[picked])
+            self._projectors[key] = _Projector(rows, self.masses, self.joint_target[picked])
+        return self._projectors[key]
+
+    def unpack(self, u: Matrix) -> tuple[Matrix, Matrix]:
+        """Velocities and angular velocities (n, 3) in the world's axes."""
+        if not self.scene.planar:
+            return u[:, :3].copy(), rotate(self.masses.R, u[:, 3:])
+        none = np.zeros(len(u))
+        return np.stack([u[:, 0], none, u[:, 1]], axis=1), np.stack([none, u[:, 2], none], axis=1)
 
     def rounding(self, solved: Sequence[tuple[Island, Vector]]) -> Matrix:
         """Bounds (n, D) of the rounding errors in `velocity`.

@@ -28,6 +28,10 @@ class Sphere:
         """Radius of a ball around the centre of mass that holds the body."""
         return self.radius
 
+    def corners_in(self, planar: bool) -> Matrix:
+        """None."""
+        return np.empty((0, 3))
+
     def inertia(self, mass: float) -> Vector:
         """Principal moments [kg m^2]."""
         return np.full(3, 0.4 * mass * self.radius**2)
@@ -53,17 +57,13 @@ class Box:
         x, y, z = np.square(self.half)
         return mass / 3.0 * np.array([y + z, x + z, x + y])
 
-    @property
-    def vertices(self) -> Matrix:
-        """The eight corners (8, 3)."""
+    def corners_in(self, planar: bool) -> Matrix:
+        """The eight corners (8, 3); in the plane four, counter-clockwise in x and z."""
+        if planar:
+            x, _, z = self.half
+            return np.array([[-x, 0.0, -z], [x, 0.0, -z], [x, 0.0, z], [-x, 0.0, z]])
         signs = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=float)
         return signs * self.half
-
-    @property
-    def outline(self) -> Matrix:
-        """The rectangle in the x-z plane (4, 2), counter-clockwise."""
-        x, _, z = self.half
-        return np.array([[-x, -z], [x, -z], [x, z], [-x, z]])
 
 
 @dataclass(frozen=True)
@@ -91,16 +91,16 @@ class Polygon:
     @property
     def bounding_radius(self) -> float:
         """Radius of a ball around the centre of mass that holds the body."""
-        return float(np.sqrt(np.square(self.outline).sum(axis=1).max()))
+        return float(np.sqrt(np.square(self.corners).sum(axis=1).max()))
 
-    @property
-    def outline(self) -> Matrix:
-        """The corners (m, 2), counter-clockwise."""
-        return np.array(self.corners)
+    def corners_in(self, planar: bool) -> Matrix:
+        """The corners (m, 3), counter-clockwise in x and z."""
+        x, z = np.array(self.corners).T
+        return np.stack([x, np.zeros(len(x)), z], axis=1)
 
     def inertia(self, mass: float) -> Vector:
         """The moment about y [kg m^2], three times: a planar scene uses no other."""
-        p = self.outline
+        p = np.array(self.corners)
         r = np.roll(p, -1, axis=0)
         cross = p[:, 0] * r[:, 1] - p[:, 1] * r[:, 0]
         second = (cross * (p * p + p * r + r * r).sum(axis=1)).sum() / (6.0 * cross.sum())

@@ -10,7 +10,7 @@ from .rotation import dot, rotate, rotate_back
 from .scene import Scene
 
 #: The first body's face is kept as the reference unless the other's separates by this fraction of the radius more.
-_PREFERENCE = 0.02
+_PREFERENCE = 1e-4
 #: Points of a face nearer than this, in extents, are one: faces that match have four contacts, not eight.
 _SAME = 1e-4
 #: Going around the face with the normal along `axis`: signs along the next two axes.
@@ -105,7 +105,7 @@ def _overlap(flat: Matrix, height: Matrix, extent: Matrix) -> tuple[Matrix, Matr
     left = left - step[:, :, None, 1] * (corners[:, None, :, 0] - flat[:, :, None, 0])
     least = 2 * _SAME * np.abs(step).max(axis=-1) * extent.max(axis=1)[:, None]
     inside = (left > least[:, :, None]).all(axis=1) | (left < -least[:, :, None]).all(axis=1)
-    spots = np.concatenate([starts, ends, corners], axis=1)
+    spots = np.clip(np.concatenate([starts, ends, corners], axis=1), -extent[:, None], extent[:, None])
     plane = _height_above(flat, height, corners)
     heights = np.concatenate([height + enter * rise, height + leave * rise, plane], axis=1)
     return spots, heights, np.concatenate([hit, hit & (leave < 1 - 1e-9), inside], axis=1)

@@ -34,19 +34,28 @@ class Points:
     feature: Indices
 
 
-def find_contacts(scene: Scene, dt: float) -> Contacts:
-    """All contacts that could close within a step of `dt` seconds at the present speeds, in the order of bodies.
+def motion(scene: Scene, velocity: Matrix, angular_velocity: Matrix, dt: float) -> Vector:
+    """How far any point of a body moves in `dt` seconds at most (n,): `dt (|v| + |omega| r)`, r its bounding radius."""
+    speed, spin = np.sqrt(dot(velocity, velocity)), np.sqrt(dot(angular_velocity, angular_velocity))
+    return np.asarray(dt * (speed + spin * scene.radius))
 
-    Bodies that share a joint do not collide.
 
-    The margin of a body is `dt (|v| + |omega| r + dt |g|) + SKIN r`, r its bounding radius. A pair's contacts depend on
+def margins(scene: Scene, dt: float) -> Vector:
+    """How far each body may move in a step without impulses, and a little more: `motion + dt^2 |g| + SKIN r`."""
+    fall = dt * dt * float(np.sqrt(scene.gravity @ scene.gravity))
+    return np.asarray(motion(scene, scene.velocity, scene.angular_velocity, dt) + fall + SKIN * scene.radius)
+
+
+def find_contacts(scene: Scene, dt: float, margin: Vector | None = None) -> Contacts:
+    """All contacts that could close while no body moves further than `margin` (n,) [m], in the order of bodies.
+
+    By default the `margins` of a step of `dt` seconds. Bodies that share a joint do not collide.
+
+    A pair's contacts depend on
     that pair alone. O(n + contacts) in NumPy for bodies of similar size; a planar pair of polygons with m corners costs
     O(m^2), a pair of boxes the six face normals.
     """
-    speed = np.sqrt(dot(scene.velocity, scene.velocity))
-    spin = np.sqrt(dot(scene.angular_velocity, scene.angular_velocity))
-    fall = dt * float(np.sqrt(scene.gravity @ scene.gravity))
-    margin = dt * (speed + spin * scene.radius + fall) + SKIN * scene.radius
+    margin = margins(scene, dt) if margin is None else margin
     movable = np.isfinite(scene.mass)
     R = rotations(scene.orientation)
     i, j = near_pairs(scene.position, scene.radius + margin, movable)
@@ -92,12 +101,9 @@ def _on_plane(scene: Scene, R: Matrix, k: int, margin: Vector, movable: np.ndarr
         body, lowest = near, scene.position[near] - normal * scene.radius[near, None]
         vertex = np.zeros(len(near), np.intp)
     else:
-        corners = [_corners(scene, int(b)) for b in near]
-        counts = [len(c) for c in corners]
-        body = np.repeat(near, counts)
-        vertex = np.concatenate([np.arange(c) for c in counts]) if counts else np.empty(0, np.intp)
-        local = np.concatenate(corners) if corners else np.empty((0, 3))
-        lowest = scene.position[body] + rotate(R[body], local)
+        at, vertex = np.nonzero(np.arange(scene.corners.shape[1]) < scene.corner_count[near, None])
+        body = near[at]
+        lowest = scene.position[body] + rotate(R[body], scene.corners[body, vertex])
     gap = dot(lowest, normal[None, :]) - plane.offset
     keep = gap < margin[body]
     body, lowest, gap, vertex = body[keep], lowest[keep], gap[keep], vertex[keep]
@@ -110,11 +116,3 @@ def _on_plane(scene: Scene, R: Matrix, k: int, margin: Vector, movable: np.ndarr
         np.maximum(scene.restitution[body], plane.restitution),
         (64 * k + vertex).astype(np.intp),
     )
-
-
-def _corners(scene: Scene, body: int) -> Matrix:
-    shape = scene.bodies[body].shape
-    if scene.kind == "box":
-        return shape.vertices  # type: ignore[union-attr]
-    outline = shape.outline  # type: ignore[union-attr]
-    return np.stack([outline[:, 0], np.zeros(len(outline)), outline[:, 1]], axis=1)

@@ -53,22 +53,20 @@ def _towers(masses: np.ndarray, friction: float, size: float, stacks: int, spaci
 def pyramid_wall(rows: int = 6, friction: float = 0.5, width: float = 1.0, height: float = 0.5) -> Scene:
     """Bricks of mass 1 in the plane, `rows` at the bottom and one less in each course; every brick rests on two."""
     half = (width / 2, width / 2, height / 2)
+    pitch = 1.02 * width  # bricks of one course do not touch
     bricks = [
-        Body(Box(half), 1.0, ((i + k / 2) * width, 0.0, (k + 0.5) * height), friction=friction)
+        Body(Box(half), 1.0, ((i + k / 2) * pitch, 0.0, (k + 0.5) * height), friction=friction)
         for k in range(rows)
         for i in range(rows - k)
     ]
-    # bricks of one course stand face to face: without the gap their sides would rub
-    for body in bricks:
-        object.__setattr__(body, "position", np.asarray(body.position) * (1.02, 1.0, 1.0))
     return Scene(bricks, (Plane(friction=friction),), planar=True)
 
 
 def arch(voussoirs: int = 9, thickness: float = 0.2, radius: float = 1.0, friction: float = 0.9) -> Scene:
     """A semicircular masonry arch in the plane: equal voussoirs around the mean `radius`, density 1 kg/m^2.
 
-    `thickness` is in parts of the mean radius. A semicircle with radial joints needs at least 0.1075 to stand when
-    joints are everywhere (Milankovitch); with few voussoirs a little less, because hinges form at joints only.
+    `thickness` is in parts of the mean radius. A semicircle with radial joints everywhere needs about 0.106 to stand
+    [Hey69]; with few voussoirs a little less does, because hinges form at joints only.
     """
     if not 0 < thickness < 2:
         raise OptionError(f"thickness must lie in (0, 2), got {thickness}")
@@ -100,11 +98,15 @@ def chain(
 ) -> Scene:
     """A straight chain of jointed links in the plane, hung from a point at `height`, `angle` from the vertical [rad].
 
-    Links weigh 1, the last `mass_ratio`. The default height lets it swing 1.2 times its length above the ground; less
-    than its length makes it strike. Links do not collide with their neighbours: their joints keep a gap.
+    Links weigh 1, the last `mass_ratio`. From the default height, 1.2 times its length, it swings free; from less than
+    its length it strikes the ground. A link does not collide with its neighbours.
     """
     total = links * length
     height = 1.2 * total if height is None else height
+    if height <= total * np.cos(angle) + 0.1 * length:
+        raise OptionError(
+            f"height must exceed {total * np.cos(angle) + 0.1 * length:g}, got {height}: the end is buried"
+        )
     along = np.array([np.sin(angle), 0.0, -np.cos(angle)])
     top = np.array([0.0, 0.0, height])
     turned = about_y(angle)  # a link's own axis is -z

@@ -11,14 +11,16 @@ from .scene import Scene
 from .stepping import Stepper
 
 
-def lcps(scene: Scene, dt: float = 0.01, facets: int = 4, contacts: Contacts | None = None) -> list[Island]:
+def lcps(
+    scene: Scene, dt: float = 0.01, facets: int = 4, contacts: Contacts | None = None, reach: float = 10.0
+) -> list[Island]:
     """The LCP of each island that has contacts, in the order of bodies: `.A`, `.q`, and what the variables mean.
 
     `contacts` from one's own collision detection (`Contacts.of`), or found here. Contacts that open faster than
-    `10 dt |g|` without impulses are left out. The scene does not change. Cost: see `System`.
+    `reach dt |g|` without impulses are left out. The scene does not change. Cost: see `System`.
     """
     found = find_contacts(scene, dt) if contacts is None else contacts
-    system = System(scene, found, Stepping(dt, facets))
+    system = System(scene, found, Stepping(dt, facets, reach=reach))
     included = system.may_act()
     home = system.island_of(included)
     every = sorted({int(i) for i in home if i >= 0})

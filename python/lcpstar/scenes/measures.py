@@ -57,4 +57,4 @@ def physical_errors(system: System, solved: Sequence[tuple[Island, Vector]], u: 
 
 
 def _largest(values: Vector) -> float:
-    return float(np.max(values, initial=0.0))
+    return float(np.max(values, initial=0.0)) + 0.0  # never -0

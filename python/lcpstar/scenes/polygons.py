@@ -10,7 +10,7 @@ from .rotation import rotate
 from .scene import Scene
 
 #: The first body's face is kept as the reference unless the other's separates by this fraction of the radius more.
-_PREFERENCE = 0.02
+_PREFERENCE = 1e-4
 
 
 def polygon_contacts(
@@ -48,11 +48,7 @@ def _world_outlines(scene: Scene, R: Matrix) -> tuple[Matrix, Matrix, Matrix]:
 
     Shorter outlines repeat their last corner; the edges of length 0 get the normal 0.
     """
-    outlines = [b.shape.outline for b in scene.bodies]  # type: ignore[union-attr]
-    m = max((len(o) for o in outlines), default=3)
-    local = np.array([np.vstack([o, np.repeat(o[-1:], m - len(o), axis=0)]) for o in outlines]).reshape(-1, m, 2)
-    flat = np.stack([local[..., 0], np.zeros(local.shape[:2]), local[..., 1]], axis=-1)
-    W = scene.position[:, None, [0, 2]] + rotate(R[:, None], flat)[..., [0, 2]]
+    W = scene.position[:, None, [0, 2]] + rotate(R[:, None], scene.corners)[..., [0, 2]]
     along = np.roll(W, -1, axis=1) - W
     length = np.sqrt(along[..., 0] * along[..., 0] + along[..., 1] * along[..., 1])
     real = np.where(length > 0, length, 1.0)

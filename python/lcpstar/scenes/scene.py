@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..coerce import Vector
+from ..coerce import Matrix, Vector
 from ..errors import OptionError
 from .body import Body, Box, Polygon, Sphere, finite_vector, surface
 from .contact import WORLD, Indices
@@ -108,6 +108,7 @@ class Scene:
         self.friction = np.array([b.friction for b in self.bodies], dtype=float)
         self.restitution = np.array([b.restitution for b in self.bodies], dtype=float)
         self.radius = np.array([b.shape.bounding_radius for b in self.bodies], dtype=float)
+        self.corners, self.corner_count = self._corners()
         self.still = np.zeros(n)
         self.time = 0.0
         if planar:
@@ -129,6 +130,14 @@ class Scene:
             if not isinstance(body.shape, Box):
                 raise OptionError(f"bodies[{k}] is a {type(body.shape).__name__}: planar scenes only")
         return "box"
+
+    def _corners(self) -> tuple[Matrix, Indices]:
+        """Corners (n, m, 3) along each body's axes, the last repeated to fill m places, and how many there are."""
+        corners = [b.shape.corners_in(self.planar) for b in self.bodies]
+        count = np.array([len(c) for c in corners], dtype=np.intp)
+        m = int(count.max(initial=0))
+        padded = [np.concatenate([c, np.repeat(c[-1:], m - len(c), axis=0)]) for c in corners]
+        return np.array(padded, dtype=float).reshape(len(corners), m, 3), count
 
     def _check_planar(self) -> None:
         for k in range(len(self)):
@@ -167,7 +176,7 @@ class Scene:
             for j in self.joints
             if j.bodies[0] in place and j.bodies[1] in place
         )
-        for name in (*_STATE, "mass", "inertia", "friction", "restitution", "radius"):
+        for name in (*_STATE, "mass", "inertia", "friction", "restitution", "radius", "corners", "corner_count"):
             setattr(other, name, getattr(self, name)[keep])
         return other
 

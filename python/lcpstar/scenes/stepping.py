@@ -13,16 +13,18 @@ from ..errors import OptionError
 from ..options import MethodOptions
 from .assembly import Island, Stepping, System
 from .body import positive
-from .collide import find_contacts
+from .collide import find_contacts, margins, motion
 from .contact import Contacts, Indices
 from .history import History, StepRecord
 from .measures import PhysicalErrors, physical_errors
-from .rotation import dot, rotate, turn
+from .rotation import dot, turn
 from .scene import Scene
 from .solving import Answer, Solving, solve_islands
 
 #: Contacts left out are put back when their new normal velocity is below minus this many roundings of its terms.
 _ROUNDINGS = 64 * np.finfo(float).eps
+#: Contacts are looked for this often in a step at most; each time for twice the motion found.
+_SEARCHES = 10
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,17 +68,30 @@ class Stepper:
         self.sleep_speed, self.sleep_after = sleep_speed, sleep_after
         self.contacts = Contacts.of([])
         self.islands: list[Island] = []
+        self._identity = self.contacts.identity()
         self._last: _Impulses | None = None
         self._error: Matrix | None = None
 
     def step(self) -> StepRecord:
         """One step: changes the scene's state and returns what happened. `contacts` and `islands` keep the problems."""
         start = time.perf_counter()
-        self.contacts = find_contacts(self.scene, self.stepping.dt)
-        system = System(self.scene, self.contacts, self.stepping, self._error)
-        started = time.perf_counter()
-        solved, asleep, u = self._solve(system)
-        solve_seconds = time.perf_counter() - started
+        scene, dt = self.scene, self.stepping.dt
+        margin = margins(scene, dt)
+        solve_seconds = 0.0
+        limit = self.solving.time_limit
+        deadline = None if limit is None else time.perf_counter() + limit
+        for _ in range(_SEARCHES):
+            self.contacts = find_contacts(scene, dt, margin)
+            self._identity = self.contacts.identity()
+            system = System(scene, self.contacts, self.stepping, self._error)
+            started = time.perf_counter()
+            solved, asleep, u = self._solve(system, deadline)
+            solve_seconds += time.perf_counter() - started
+            moved = motion(scene, *system.unpack(u), dt)
+            shot = moved > margin  # impulses made it faster than contacts were looked for
+            if not shot.any() or _over(deadline):
+                break
+            margin = np.where(shot, 2 * moved, margin)
         impulses = [(island, answer.z) for island, answer in solved]
         self._error = system.rounding(impulses)
         u = np.where(np.abs(u) <= self._error, 0.0, u)  # what rounding alone may have made is rest
@@ -86,7 +101,9 @@ class Stepper:
         self._move(system, u, asleep)
         return _record(self.scene, solved, asleep, errors, solve_seconds, time.perf_counter() - start)
 
-    def _solve(self, system: System) -> tuple[list[tuple[Island, Answer]], NDArray[np.bool_], Matrix]:
+    def _solve(
+        self, system: System, deadline: float | None
+    ) -> tuple[list[tuple[Island, Answer]], NDArray[np.bool_], Matrix]:
         """Solve the islands; while a contact that was left out acts, put it back and solve its islands again."""
         included = system.may_act()
         done: dict[int, tuple[Island, Answer]] = {}
@@ -96,13 +113,13 @@ class Stepper:
             awake = np.unique(home[(home >= 0) & ~asleep]).tolist()
             missing = [i for i in awake if i not in done]
             islands = system.islands(included, home, missing)
-            answers = solve_islands(islands, [self._guess(island) for island in islands], self.solving)
+            answers = solve_islands(islands, [self._guess(island) for island in islands], self.solving, deadline)
             done |= {i: (island, answer) for i, island, answer in zip(missing, islands, answers, strict=True)}
             solved = [done[i] for i in awake]
             u = system.velocity([(island, answer.z) for island, answer in solved])
             u[asleep] = 0.0
             late = ~included & self._acts(system, u)
-            if not late.any():
+            if not late.any() or _over(deadline):
                 return solved, asleep, u
             included = included | late
             touched = set(system.island_of(included)[self.contacts.bodies[late]].ravel().tolist())
@@ -128,7 +145,7 @@ class Stepper:
         last = self._last
         if last is None or not self.solving.warm_start or not len(island.contacts):
             return None
-        identity = self.contacts.identity()[island.contacts]
+        identity = self._identity[island.contacts]
         at = np.minimum(np.searchsorted(last.identity, identity), max(0, len(last.identity) - 1))
         known = len(last.identity) > 0 and last.identity[at] == identity
         if not np.any(known):
@@ -148,18 +165,13 @@ class Stepper:
             z[first + island.rubbing, 1:-1] = answer.z[k : k + m * facets].reshape(m, facets)
             z[first + island.rubbing, -1] = answer.z[k + m * facets :]
             first += k
-        identity = self.contacts.identity()[contacts]
+        identity = self._identity[contacts]
         order = np.argsort(identity)
         self._last = _Impulses(identity[order], z[order])
 
     def _move(self, system: System, u: Matrix, asleep: NDArray[np.bool_]) -> None:
         scene, dt = self.scene, self.stepping.dt
-        if scene.planar:
-            scene.velocity = np.stack([u[:, 0], np.zeros(len(u)), u[:, 1]], axis=1)
-            scene.angular_velocity = np.stack([np.zeros(len(u)), u[:, 2], np.zeros(len(u))], axis=1)
-        else:
-            scene.velocity = u[:, :3].copy()
-            scene.angular_velocity = rotate(system.masses.R, u[:, 3:])
+        scene.velocity, scene.angular_velocity = system.unpack(u)
         scene.position = scene.position + dt * scene.velocity
         scene.orientation = turn(scene.orientation, scene.angular_velocity, dt)
         scene.time += dt
@@ -167,6 +179,10 @@ class Stepper:
             speed = np.sqrt(dot(scene.velocity, scene.velocity))
             speed = speed + scene.radius * np.sqrt(dot(scene.angular_velocity, scene.angular_velocity))
             scene.still = np.where(speed <= self.sleep_speed, scene.still + dt, 0.0)
+
+
+def _over(deadline: float | None) -> bool:
+    return deadline is not None and time.perf_counter() >= deadline
 
 
 def _record(
@@ -224,7 +240,7 @@ def run(
         As in `lcpstar.solve`, for every island of every step. An island that is not solved moves with the best point
         found; `History.solved` and `History.residual` say so.
     time_limit : float [s], optional
-        For all islands of one step together.
+        For all LCPs of one step together.
     warm_start : bool
         Start from last step's impulses at the contacts that are still there.
     facets : int

@@ -33,11 +33,18 @@ fn compensated_error(n: usize, s: f64, m: f64) -> f64 {
     EPS * s.abs() + 2.0 * (n * EPS) * (n * EPS) * m + n * TINY
 }
 
+/// `min(x, y)` of two numbers known up to their errors: its midpoint and how far it may be from there.
+fn minimum(x: f64, x_error: f64, y: f64, y_error: f64) -> (f64, f64) {
+    let (low, high) = ((x - x_error).min(y - y_error), (x + x_error).min(y + y_error));
+    let middle = x.min(y);
+    (middle, (high - middle).max(middle - low) * (1.0 + 4.0 * EPS) + EPS * middle.abs() + TINY)
+}
+
 /// `b_i >= |min(a_ii z_i, w_i)|`.
 fn diagonal_residual(n: usize, a_ii: f64, z: f64, w: f64, magnitude: f64) -> f64 {
     let x = a_ii * z;
-    let error = (EPS * x.abs() + TINY).max(compensated_error(n, w, magnitude));
-    (x.min(w).abs() + error) * (1.0 + 4.0 * EPS)
+    let (middle, error) = minimum(x, EPS * x.abs() + TINY, w, compensated_error(n, w, magnitude));
+    (middle.abs() + error) * (1.0 + 4.0 * EPS)
 }
 
 /// Powers of two that change a digit would void the proof.
@@ -145,8 +152,8 @@ pub(super) fn definite(lcp: &Lcp, scaling: &Scaling, z: &[f64]) -> Bound {
     let Some(lambda) = least_eigenvalue(scaled) else { return none };
     let z = congruent.scaling.z_from_caller(z);
     let (w, magnitude) = slack(scaled, &z);
-    let r: Vec<f64> = z.iter().zip(&w).map(|(z, w)| z.min(*w)).collect();
-    let error: Vec<f64> = (0..n).map(|i| compensated_error(n, w[i], magnitude[i])).collect();
+    let (r, error): (Vec<f64>, Vec<f64>) =
+        (0..n).map(|i| minimum(z[i], 0.0, w[i], compensated_error(n, w[i], magnitude[i]))).unzip();
     let (size, rounding) = (r.iter().map(|r| r.abs()).collect::<Vec<_>>(), 2.0 * (n + 4) as f64 * EPS);
     let mut square = 0.0;
     for i in 0..n {
@@ -175,7 +182,7 @@ fn least_eigenvalue(lcp: &Lcp) -> Option<f64> {
     // gamma_{n+1} of [Rum06] with room for blocked sums, and the rounding of S and of the shift.
     let backward = 8.0 * (n + 8) as f64 * EPS * (trace + max_abs(&s) * n as f64);
     let mut shifted = 0.0;
-    for fraction in [0.9, 0.5, 0.1] {
+    for fraction in [0.99, 0.9, 0.5, 0.1] {
         let mu = fraction * estimate;
         if mu <= 2.0 * backward {
             return None;

@@ -6,12 +6,14 @@ fn measured(a: &[f64], q: &[f64], z: &[f64]) -> Accuracy {
 
 #[test]
 fn an_m_matrix_by_hand() {
-    // z* = (2, 2); at (1, 2): w = (-1, 1), min(2 z, w) = (-1, 1), <A>^-1 (1, 1) = (1, 1).
-    let found = measured(&[2.0, -1.0, -1.0, 2.0], &[-2.0, -2.0], &[1.0, 2.0]);
-    let bound = found.error_bound.expect("an M-matrix");
-    assert!((1.0..1.001).contains(&bound), "{bound}");
-    assert_eq!(found.backward_error, 1.0 / 6.0);
-    assert_eq!(found.natural_residual, 1.0);
+    // z* = (2, 2). At (1, 2): w = (-2, 1), b = |min(2 z, w)| = (2, 1), <A>^-1 b = (5/3, 4/3).
+    let (a, q, z) = ([2.0, -1.0, -1.0, 2.0], [-2.0, -2.0], [1.0, 2.0]);
+    let lcp = Lcp::new(2, a.to_vec(), q.to_vec()).expect("valid");
+    let by_comparison = bound::comparison(&Equilibrated::new(&lcp), &z).value.expect("an M-matrix");
+    assert!((by_comparison - 5.0 / 3.0).abs() < 1e-5, "{by_comparison}");
+    let found = measured(&a, &q, &z);
+    assert!((1.0..=by_comparison).contains(&found.error_bound.expect("an M-matrix")));
+    assert_eq!((found.natural_residual, found.backward_error), (2.0, 2.0 / 6.0));
 }
 
 #[test]
