@@ -27,6 +27,8 @@ STARTS = ("cold", "warm")
 
 _TIME_LIMIT = 0.25  # seconds for one solve of the grid
 _SWEEP_TIME_LIMIT = 0.1  # seconds for one solve of a success map
+_AUTO_TIME_LIMIT = 1.0
+_WITHIN_REACH = 1e-12  # rounding may forbid less, and then auto goes on to its last member
 _PASSES = 5
 _PASS_BUDGET = 1.5e-3  # seconds of repeated calls for one instance in one pass
 _TOO_SLOW_TO_REPEAT = 0.05
@@ -101,7 +103,8 @@ def run(
 
     Every cell is run once; then all cells of a group are timed again in turns, up to five times, while the group's
     share of `budget` seconds lasts. A method that is slow and solves nothing at one tolerance is not tried at tighter
-    ones. Single methods get a time limit; auto gets none, because it chooses by it.
+    ones. Single methods get a time limit; auto only where it may search long, because it
+    chooses by it.
     """
     todo = [
         (name, group, start)
@@ -128,9 +131,8 @@ def _measure(name: str, group: Group, start: str, entries: Sequence[Entry], quic
     for entry in entries:
         if entry.rung != "float64" and start == "warm":
             continue
-        limit = None if entry.kind == "auto" else _SWEEP_TIME_LIMIT if sweep else _TIME_LIMIT
         for tol in tolerances if entry.rung != "exact" else PROOF_TOLERANCES:
-            cell = _Cell(entry, tol, limit)
+            cell = _Cell(entry, tol, _time_limit(entry, tol, sweep))
             cell.run(cases)
             cells.append(cell)
             if cell.hopeless:
@@ -141,6 +143,13 @@ def _measure(name: str, group: Group, start: str, entries: Sequence[Entry], quic
                 break
             cell.repeat(cases)
     return [cell.row(name, group, start, cases) for cell in cells]
+
+
+def _time_limit(entry: Entry, tol: float, sweep: bool) -> float | None:
+    """None for auto where its answer is within reach: it chooses by the limit."""
+    if entry.kind != "auto":
+        return _SWEEP_TIME_LIMIT if sweep else _TIME_LIMIT
+    return None if entry.rung == "float64" and tol >= _WITHIN_REACH else _AUTO_TIME_LIMIT
 
 
 def _tolerances(name: str, start: str, quick: bool) -> tuple[float, ...]:
