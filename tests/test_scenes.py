@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import doctest
+import re
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -471,6 +475,14 @@ def test_an_answer_that_is_not_solved_is_said_and_used():
     assert "solved in 0 of 3" in str(history)
 
 
+def test_a_step_without_time_moves_on_and_says_so():
+    scene = scenes.sphere_pile(16, friction=0.3)
+    history = scenes.run(scene, 60, method="lemke", time_limit=1e-9)
+    assert len(history) == 60
+    assert not history.solved.all()
+    assert np.isfinite(scene.position).all()
+
+
 def test_history_has_an_array_for_every_number():
     history = scenes.run(scenes.box_stack(2), 5)
     for name in ("time", "rows", "islands", "residual", "seconds", "penetration", "signorini", "energy"):
@@ -527,6 +539,21 @@ def test_corner_over_a_face_in_the_plane():
     assert np.isclose(contacts.gap[0], 0.71 - np.sqrt(0.5), atol=1e-6)
 
 
+# Documentation --------------------------------------------------------------------------------------------------------
+
+
+def test_the_page_and_the_docstrings_run():
+    page = (Path(__file__).parent.parent / "docs" / "scenes.md").read_text(encoding="utf-8")
+    blocks = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
+    assert len(blocks) == 2
+    for block in blocks:
+        exec(block.replace("steps=1000", "steps=10"), {})
+    for module in ("stepping", "lcp"):
+        found = doctest.testmod(__import__(f"lcpstar.scenes.{module}", fromlist=["_"]))
+        assert found.attempted > 0
+        assert found.failed == 0
+
+
 # Bad input ------------------------------------------------------------------------------------------------------------
 
 
@@ -564,3 +591,20 @@ def test_corner_over_a_face_in_the_plane():
 def test_bad_input_names_the_argument_and_the_number(make, message):
     with pytest.raises(errors.LCPError, match=message):
         make()
+
+
+# The portfolio --------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("seed", "noise"), [(12, 1e-11), (8, 1e-9)])
+def test_auto_solves_a_heavy_stack_with_noise(seed, noise):
+    """Solvable by theory [AP97]; Lemke's method ended on a ray in doubles and in double-doubles, whatever its d."""
+    rng = np.random.default_rng(seed)
+    scene = scenes.heavy_on_light(10, mass_ratio=1e6)
+    plane = [1.0, 0.0, 1.0]
+    scene.velocity += noise * rng.standard_normal((10, 3)) * plane
+    scene.position += 1e-2 * noise * rng.standard_normal((10, 3)) * plane
+    scene.orientation[:, 2] += 1e-2 * noise * rng.standard_normal(10)
+    scene.angular_velocity[:, 1] += noise * rng.standard_normal(10)
+    A, q = scenes.lcp(scene)
+    assert_solves(A, q, solve(A, q))

@@ -109,12 +109,12 @@ def test_results_stay_finite_and_true_at_the_ends_of_the_range(name, method, cer
 
 
 def test_the_small_kernel_is_no_easier_than_certify():
-    """A violation of 1.2e-3 on the equilibrated problem is more than tol = 1e-3."""
+    """A violation of 6e-4 on the equilibrated problem is more than tol = 5e-4."""
     A = np.array([[4.0, 4, -4], [4, 4, -4], [-4, -4, 4]])
     q = np.array([-3.919771501409369, -4.122678195581982, 4.113056364198336])
-    assert not lcpstar.solve(A, q, tol=1e-3, method="lemke").success
-    assert not lcpstar.solve(A, q, tol=1e-3).success
-    assert not lcpstar.solve_batch(np.stack([A] * 9), np.stack([q] * 9), tol=1e-3).success.any()
+    assert not lcpstar.solve(A, q, tol=5e-4, method="lemke").success
+    assert not lcpstar.solve(A, q, tol=5e-4).success
+    assert not lcpstar.solve_batch(np.stack([A] * 9), np.stack([q] * 9), tol=5e-4).success.any()
 
 
 @settings(max_examples=400, deadline=None)

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from lcp_checks import assert_solves
 
 import lcpstar
+from lcp_checks import assert_solves
 from lcpstar.problems import box_stack, degenerate, psd_half_rank, random_pd, random_spd
 
 PROBLEMS = {
@@ -33,7 +33,8 @@ def test_a_right_support_takes_no_pivot(name, method):
     assert warm.residual <= max(cold.residual, 1e-15)
 
 
-#: Pivots of the cold path, and their mean, and from supports with 1, 2, 3 wrong indices: a change is explained in the commit.
+#: Pivots of the cold path, and their mean from supports with 1, 2, 3 wrong indices, at most: a change is explained in
+#: the commit.
 GOLDEN = {
     "random_pd": (29, 2.0, 3.0, 4.0),
     "random_spd": (19, 2.0, 3.0, 4.0),
@@ -56,7 +57,8 @@ def test_a_nearly_right_support_takes_few_pivots(name):
             assert warm.residual <= max(10 * cold.residual, 1e-14)
             pivots.append(warm.iterations)
         found.append(round(float(np.mean(pivots)), 1))
-    assert tuple(found) == GOLDEN[name]
+    assert found[0] == GOLDEN[name][0]
+    assert all(mean <= most for mean, most in zip(found, GOLDEN[name], strict=True))
 
 
 @pytest.mark.parametrize("method", ["auto", "lemke", "block_pivoting", "interior_point"])

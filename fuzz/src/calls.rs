@@ -46,7 +46,8 @@ pub fn solve(bytes: &mut Bytes<'_>) {
     let asked = AtomicUsize::new(0);
     let interrupt = || patience.is_some_and(|patience| asked.fetch_add(1, Relaxed) >= patience);
     let expired = settings_first & 192 == 192;
-    let deadline = Some(Instant::now() + if expired { Duration::ZERO } else { 5 * LIMIT });
+    let long = Instant::now() + 5 * LIMIT;
+    let deadline = Some(if expired { Instant::now() } else { long });
     let control = Control { max_iterations, deadline, interrupted: Some(&interrupt) };
     let lcp = lcp(&problem);
     show(&(&settings, max_iterations, patience, expired));
@@ -55,7 +56,7 @@ pub fn solve(bytes: &mut Bytes<'_>) {
             show(&solution);
             let limits = Limits {
                 max_iterations,
-                may_run_out_of_time: expired || patience.is_some(),
+                may_run_out_of_time: expired || patience.is_some() || Instant::now() >= long,
                 exact: settings.certify == Certify::Exact,
             };
             oracle::check(&problem, &solution, settings.tol, &limits);

@@ -7,15 +7,20 @@ from typing import TYPE_CHECKING, Any
 
 from . import errors
 from ._core import Solution, __version__
+from .accuracy import Accuracy, accuracy
 from .batch import BatchSolution, solve_batch, solve_gufunc
 from .errors import LCPError
 from .interior import potential_reduction
 from .options import (
+    AdmmOptions,
     BilinearOptions,
     BlockPivotingOptions,
     InteriorPointOptions,
     LemkeHowsonOptions,
     LemkeOptions,
+    NewtonOptions,
+    PgsOptions,
+    PgsSmOptions,
     PotentialReductionOptions,
 )
 from .result import Certificate, Ray, Status
@@ -96,7 +101,13 @@ __all__ = [
     "LemkeHowsonOptions",
     "BilinearOptions",
     "BlockPivotingOptions",
+    "Accuracy",
+    "accuracy",
     "PotentialReductionOptions",
+    "PgsOptions",
+    "PgsSmOptions",
+    "AdmmOptions",
+    "NewtonOptions",
     "InteriorPointOptions",
     "classes",
     "scenes",

@@ -8,24 +8,14 @@ import sys
 from typing import Any
 
 from . import __version__
+from ._core import METHODS
+from .bench.cli import add_bench_parser
 from .classes import add_classify_parser
 from .errors import FileFormatError, LCPError
 from .exploring import add_explore_parser
 from .files import read_problem
+from .plotting import add_plot_parser
 from .solve import solve
-
-METHODS = (
-    "auto",
-    "lemke",
-    "lemke_howson",
-    "principal_pivoting",
-    "block_pivoting",
-    "chandrasekaran",
-    "enumerate",
-    "bilinear",
-    "interior_point",
-    "potential_reduction",
-)
 
 
 def main(argv: list[str] | None = None) -> int:
@@ -36,6 +26,8 @@ def main(argv: list[str] | None = None) -> int:
     _add_solve(commands)
     add_classify_parser(commands)
     add_explore_parser(commands)
+    add_bench_parser(commands)
+    add_plot_parser(commands)
     paper = commands.add_parser("paper", help="recompute the paper: its example, Table 1, and every claim")
     paper.set_defaults(run=_paper)
     arguments = parser.parse_args(argv)

@@ -1,18 +1,16 @@
-"""The paper's potential reduction method, with its table as a trace; the interior point method for sparse A."""
+"""The paper's potential reduction method, with its table as a trace."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
-import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _core
 from ._core import Solution
 from .coerce import Vector, as_matrix, as_vector
-from .errors import DTypeError, OptionError, OptionTypeError, ShapeError, UnknownNameError
-from .options import InteriorPointOptions, MethodOptions, PotentialReductionOptions
+from .errors import OptionError
+from .options import PotentialReductionOptions
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,42 +121,3 @@ def potential_reduction(
     )
     start = None if z0 is None else as_vector("z0", z0)
     return _core.potential_reduction(as_matrix("A", A), as_vector("q", q), start, eps, max_iterations, options, trace)
-
-
-def solve_sparse(
-    A: Any,
-    q: ArrayLike,
-    method: str,
-    tol: float,
-    max_iterations: int | None,
-    time_limit: float | None,
-    z0: ArrayLike | None,
-    certify: str,
-    options: MethodOptions | None,
-) -> Solution:
-    """Solve LCP(q, A) for a `scipy.sparse` A by the interior point method, with sparse factorisations.
-
-    Called by `lcpstar.solve`. Monotone A (A + A' PSD) is solved or certified infeasible; the residual is that of the
-    problem scaled to `D A D`. The cost of an iteration is one sparse factorisation of `A + D`. `certify="exact"` works on a
-    dense copy and raises TooLargeError for n > 2000.
-    """
-    if method not in ("auto", "interior_point"):
-        raise UnknownNameError(f"method must be one of auto, interior_point for a sparse A, got {method!r}")
-    if options is not None and not isinstance(options, InteriorPointOptions):
-        raise OptionTypeError(f"a sparse A takes options of class InteriorPointOptions, got {type(options).__name__}")
-    if max_iterations is not None and max_iterations < 0:
-        raise OptionError(f"max_iterations must be nonnegative, got {max_iterations}")
-    if A.ndim != 2 or A.shape[0] != A.shape[1]:
-        raise ShapeError(f"A must be a square matrix, got shape {A.shape}")
-    if A.dtype.kind not in "biuf":
-        raise DTypeError(f"A must hold real numbers, got dtype {A.dtype}")
-    rows = A.tocsr(copy=True)
-    rows.sum_duplicates()
-    rhs, guess = as_vector("q", q), None if z0 is None else as_vector("z0", z0)
-    if len(rhs) != rows.shape[0]:
-        raise ShapeError(f"q must have length {rows.shape[0]}, got {len(rhs)}")
-    starts, columns = rows.indptr.astype(np.int64), rows.indices.astype(np.int64)
-    values = rows.data.astype(np.float64)
-    return _core.solve_sparse(
-        starts, columns, values, rhs, tol, max_iterations, time_limit, guess, certify, options or InteriorPointOptions()
-    )

@@ -86,6 +86,62 @@ class InteriorPointOptions:
     finish: bool | None = None
 
 
+@dataclass(frozen=True)
+class PgsOptions:
+    """Options of `method="pgs"`.
+
+    `relaxation` in (0, 2) (default 1); `symmetric` (default False): every other sweep runs downwards.
+    """
+
+    relaxation: float | None = None
+    symmetric: bool | None = None
+
+
+@dataclass(frozen=True)
+class PgsSmOptions:
+    """Options of `method="pgs_sm"`.
+
+    `sweeps` (default 5) before the first solve; `solves` (default 4) on the support in a round, after each of which
+    indices with the wrong sign leave; `relaxation` of the sweeps in (0, 2) (default 1).
+    """
+
+    sweeps: int | None = None
+    solves: int | None = None
+    relaxation: float | None = None
+
+    def __post_init__(self) -> None:
+        for name, value in (("sweeps", self.sweeps), ("solves", self.solves)):
+            _at_least_one(name, value)
+
+
+@dataclass(frozen=True)
+class AdmmOptions:
+    """Options of `method="admm"`.
+
+    `rho` (default 0.1) is the first penalty, on the equilibrated problem; it adapts. `relaxation` in (0, 2) (default
+    1.6). `polish` (default True): solve on the support when it has settled.
+    """
+
+    rho: float | None = None
+    relaxation: float | None = None
+    polish: bool | None = None
+
+
+@dataclass(frozen=True)
+class NewtonOptions:
+    """Options of `method="newton"`: `patience` (default 3), the guesses of the support that may bring it no nearer."""
+
+    patience: int | None = None
+
+    def __post_init__(self) -> None:
+        _at_least_one("patience", self.patience)
+
+
+def _at_least_one(name: str, value: int | None) -> None:
+    if value is not None and value < 1:
+        raise OptionError(f"{name} must be at least 1, got {value}")
+
+
 MethodOptions = (
     LemkeOptions
     | LemkeHowsonOptions
@@ -93,6 +149,10 @@ MethodOptions = (
     | BlockPivotingOptions
     | PotentialReductionOptions
     | InteriorPointOptions
+    | PgsOptions
+    | PgsSmOptions
+    | AdmmOptions
+    | NewtonOptions
 )
 
 #: The options class of each method that has one.
@@ -103,4 +163,8 @@ OPTIONS: dict[str, type[MethodOptions]] = {
     "block_pivoting": BlockPivotingOptions,
     "potential_reduction": PotentialReductionOptions,
     "interior_point": InteriorPointOptions,
+    "pgs": PgsOptions,
+    "pgs_sm": PgsSmOptions,
+    "admm": AdmmOptions,
+    "newton": NewtonOptions,
 }

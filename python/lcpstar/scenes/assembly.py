@@ -91,6 +91,7 @@ class System:
         self.per_joint = 2 if scene.planar else 3
         self.u = self.masses.pack(scene.velocity, scene.angular_velocity)
         self.free = self._free_velocity()
+        self._projectors: dict[bytes, _Projector] = {}
         self.joint_target = settings.stabilisation / settings.dt * apart
         self.b = self._targets()
         self.error = np.zeros_like(self.u) if error is None else error
@@ -140,10 +141,9 @@ class System:
 
     def islands(self, included: NDArray[np.bool_], home: Indices, which: Sequence[int]) -> list[Island]:
         """The LCPs of the islands `which` (values of `home`, from `island_of`), in that order."""
-        label = {int(island): k for k, island in enumerate(which)}
-        position = np.full(len(self.scene) + 1, -1, dtype=np.intp)  # the last place is the world's
-        for island, k in label.items():
-            position[:-1][home == island] = k
+        label = np.full(len(self.scene), -1, dtype=np.intp)
+        label[np.asarray(which, dtype=np.intp)] = np.arange(len(which))
+        position = np.append(np.where(home >= 0, label[home], -1), -1)  # the last place is the world's
         of_contact = _owner(position, self.normals.bodies)
         of_contact = np.where(included, of_contact, -1)
         of_joint = _owner(position, self.joints.bodies)[:: self.per_joint]
@@ -212,9 +212,12 @@ class System:
         return dense - (dense @ V.T) @ V, projector.velocity(self.free)
 
     def _projector(self, joints: Indices) -> _Projector:
-        picked = (self.per_joint * joints[:, None] + np.arange(self.per_joint)).ravel()
-        rows = Rows(self.joints.bodies[picked], self.joints.J[picked])
-        return _Projector(rows, self.masses, self.joint_target[picked])
+        key = joints.tobytes()
+        if key not in self._projectors:
+            picked = (self.per_joint * joints[:, None] + np.arange(self.per_joint)).ravel()
+            rows = Rows(self.joints.bodies[picked], self.joints.J[picked])
+            self._projectors[key] = _Projector(rows, self.masses, self.joint_target[picked])
+        return self._projectors[key]
 
     def unpack(self, u: Matrix) -> tuple[Matrix, Matrix]:
         """Velocities and angular velocities (n, 3) in the world's axes."""

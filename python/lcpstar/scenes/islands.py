@@ -11,7 +11,8 @@ from .contact import Indices
 def islands(pairs: Indices, movable: NDArray[np.bool_]) -> Indices:
     """For each body the smallest index in its island, -1 for a body that never moves.
 
-    `pairs` (k, 2): bodies in contact or jointed, -1 for the world. Union-find with path halving, O((n + k) log n) at worst. [TL84]
+    `pairs` (k, 2): bodies in contact or jointed, -1 for the world. Union-find with path halving,
+    O((n + k) log n) at worst. [TL84]
     """
     parent = list(range(len(movable)))
 

@@ -20,7 +20,7 @@ BATCH_ORDER = 20
 
 @dataclass(frozen=True)
 class Solving:
-    """Arguments of `lcpstar.solve` for every island; `time_limit` [s] is for all islands of a step together."""
+    """Arguments of `lcpstar.solve` for every island; `time_limit` [s] is for all LCPs of a step together."""
 
     method: str = "auto"
     tol: float = 1e-9
@@ -47,8 +47,10 @@ class Answer:
     natural_residual: float
 
 
-def solve_islands(islands: Sequence[Island], guesses: Sequence[Vector | None], settings: Solving) -> list[Answer]:
-    """An answer per island; those that are not solved keep the best point found."""
+def solve_islands(
+    islands: Sequence[Island], guesses: Sequence[Vector | None], settings: Solving, deadline: float | None
+) -> list[Answer]:
+    """An answer per island; those that are not solved by the deadline (of `perf_counter`) keep the best point found."""
     answers: list[Answer | None] = [None] * len(islands)
     small = []
     for k, island in enumerate(islands):
@@ -60,12 +62,9 @@ def solve_islands(islands: Sequence[Island], guesses: Sequence[Vector | None], s
         z0 = [_guess(guesses[k], islands[k]) for k in small]
         for k, answer in zip(small, _batch([islands[k] for k in small], z0, settings.tol), strict=True):
             answers[k] = answer
-    start = time.perf_counter()
     for k, island in enumerate(islands):
         if answers[k] is None:
-            left = None
-            if settings.time_limit is not None:
-                left = max(1e-9, settings.time_limit - (time.perf_counter() - start))
+            left = None if deadline is None else max(1e-9, deadline - time.perf_counter())
             answers[k] = _one(island, guesses[k], settings, left)
     return [answer for answer in answers if answer is not None]
 

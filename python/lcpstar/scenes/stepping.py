@@ -23,6 +23,8 @@ from .solving import Answer, Solving, solve_islands
 
 #: Contacts left out are put back when their new normal velocity is below minus this many roundings of its terms.
 _ROUNDINGS = 64 * np.finfo(float).eps
+#: Contacts are looked for this often in a step at most; each time for twice the motion found.
+_SEARCHES = 10
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,16 +78,18 @@ class Stepper:
         scene, dt = self.scene, self.stepping.dt
         margin = margins(scene, dt)
         solve_seconds = 0.0
-        while True:
+        limit = self.solving.time_limit
+        deadline = None if limit is None else time.perf_counter() + limit
+        for _ in range(_SEARCHES):
             self.contacts = find_contacts(scene, dt, margin)
             self._identity = self.contacts.identity()
             system = System(scene, self.contacts, self.stepping, self._error)
             started = time.perf_counter()
-            solved, asleep, u = self._solve(system)
+            solved, asleep, u = self._solve(system, deadline)
             solve_seconds += time.perf_counter() - started
             moved = motion(scene, *system.unpack(u), dt)
             shot = moved > margin  # impulses made it faster than contacts were looked for
-            if not shot.any():
+            if not shot.any() or _over(deadline):
                 break
             margin = np.where(shot, 2 * moved, margin)
         impulses = [(island, answer.z) for island, answer in solved]
@@ -97,7 +101,9 @@ class Stepper:
         self._move(system, u, asleep)
         return _record(self.scene, solved, asleep, errors, solve_seconds, time.perf_counter() - start)
 
-    def _solve(self, system: System) -> tuple[list[tuple[Island, Answer]], NDArray[np.bool_], Matrix]:
+    def _solve(
+        self, system: System, deadline: float | None
+    ) -> tuple[list[tuple[Island, Answer]], NDArray[np.bool_], Matrix]:
         """Solve the islands; while a contact that was left out acts, put it back and solve its islands again."""
         included = system.may_act()
         done: dict[int, tuple[Island, Answer]] = {}
@@ -107,13 +113,13 @@ class Stepper:
             awake = np.unique(home[(home >= 0) & ~asleep]).tolist()
             missing = [i for i in awake if i not in done]
             islands = system.islands(included, home, missing)
-            answers = solve_islands(islands, [self._guess(island) for island in islands], self.solving)
+            answers = solve_islands(islands, [self._guess(island) for island in islands], self.solving, deadline)
             done |= {i: (island, answer) for i, island, answer in zip(missing, islands, answers, strict=True)}
             solved = [done[i] for i in awake]
             u = system.velocity([(island, answer.z) for island, answer in solved])
             u[asleep] = 0.0
             late = ~included & self._acts(system, u)
-            if not late.any():
+            if not late.any() or _over(deadline):
                 return solved, asleep, u
             included = included | late
             touched = set(system.island_of(included)[self.contacts.bodies[late]].ravel().tolist())
@@ -175,6 +181,10 @@ class Stepper:
             scene.still = np.where(speed <= self.sleep_speed, scene.still + dt, 0.0)
 
 
+def _over(deadline: float | None) -> bool:
+    return deadline is not None and time.perf_counter() >= deadline
+
+
 def _record(
     scene: Scene,
     solved: list[tuple[Island, Answer]],
@@ -230,7 +240,7 @@ def run(
         As in `lcpstar.solve`, for every island of every step. An island that is not solved moves with the best point
         found; `History.solved` and `History.residual` say so.
     time_limit : float [s], optional
-        For all islands of one step together.
+        For all LCPs of one step together.
     warm_start : bool
         Start from last step's impulses at the contacts that are still there.
     facets : int

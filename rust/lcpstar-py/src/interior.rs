@@ -1,9 +1,9 @@
 //! The interior point methods: `potential_reduction` with its trace, and options.
 
-use lcpstar::driver::{self, Certify};
+use lcpstar::driver;
 use lcpstar::methods::interior_point;
 use lcpstar::methods::potential_reduction::{self as potential, DirectionSolver, Record, Settings, Stop};
-use lcpstar::{Control, LcpError, SparseLcp};
+use lcpstar::{Control, LcpError};
 use numpy::{PyArray1, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
@@ -134,41 +134,4 @@ fn records(py: Python<'_>, rows: Vec<Record>) -> PyResult<Py<PyAny>> {
         list.append(class.call((), Some(&fields))?)?;
     }
     Ok(list.into_any().unbind())
-}
-
-/// Solves a sparse LCP given by compressed rows; arguments already coerced by `lcpstar.solve`.
-#[pyfunction]
-#[pyo3(signature = (starts, columns, values, q, tol, max_iterations, time_limit, z0, certify, options))]
-pub fn solve_sparse(
-    py: Python<'_>,
-    starts: PyReadonlyArray1<'_, i64>,
-    columns: PyReadonlyArray1<'_, i64>,
-    values: PyReadonlyArray1<'_, f64>,
-    q: PyReadonlyArray1<'_, f64>,
-    tol: f64,
-    max_iterations: Option<usize>,
-    time_limit: Option<f64>,
-    z0: Option<PyReadonlyArray1<'_, f64>>,
-    certify: &str,
-    options: &Bound<'_, PyAny>,
-) -> PyResult<PySolution> {
-    let start = Instant::now();
-    let certify = Certify::from_name(certify).map_err(|e| to_python(py, &e))?;
-    // A negative index becomes one that is out of range, which the core names.
-    let indices = |v: &PyReadonlyArray1<'_, i64>| -> Vec<usize> {
-        v.as_array().iter().map(|&i| usize::try_from(i).unwrap_or(usize::MAX)).collect()
-    };
-    let lcp = SparseLcp::new(indices(&starts), indices(&columns), vector(&values), vector(&q))
-        .map_err(|e| to_python(py, &e))?;
-    let mut settings = interior_point::Settings { z0: z0.as_ref().map(vector), ..Default::default() };
-    set_interior_options(&mut settings, options)?;
-    let signals = Signals::new();
-    let control = Control {
-        max_iterations,
-        deadline: crate::solve::deadline(py, start, time_limit)?,
-        interrupted: Some(&|| signals.interrupted()),
-    };
-    let solution = enter_core(py, || driver::solve_sparse(&lcp, tol, certify, &settings, &control))?;
-    signals.raise()?;
-    Ok(PySolution::new(solution, start.elapsed().as_secs_f64()))
 }

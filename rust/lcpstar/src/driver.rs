@@ -1,5 +1,7 @@
 //! One problem in, one verified solution out: equilibrate, run a method or the portfolio, certify.
 
+mod anytime;
+mod approximate;
 mod pieces;
 mod portfolio;
 mod prove;
@@ -8,6 +10,7 @@ mod small;
 use crate::certify::{certify, certify_sparse};
 use crate::control::Control;
 use crate::error::{LcpError, Result};
+use crate::iterative::{Goal, Sparse};
 use crate::methods::{
     bilinear, block_pivoting, chandrasekaran, enumerate, interior_point, lemke, lemke_howson, potential_reduction,
 };
@@ -15,6 +18,8 @@ use crate::problem::{Lcp, check_finite};
 use crate::scaling::{Equilibrated, Scaling, exponent, times_power_of_two};
 use crate::solution::{Candidate, Solution};
 use crate::sparse::SparseLcp;
+
+pub use approximate::Approximate;
 
 /// The method and its options. Vectors (`d`) are in the caller's units.
 #[derive(Clone, Debug)]
@@ -46,6 +51,8 @@ pub enum Method {
     Enumerate,
     /// The paper's method; its stopping rule is replaced by one that gives `residual <= tol`.
     PotentialReduction(potential_reduction::Settings),
+    /// A method that starts from the values of `z0` and stops at `tol`.
+    Approximate(Approximate),
 }
 
 /// Restarts of Lemke's method with random covering vectors, unless the caller says otherwise.
@@ -64,6 +71,12 @@ impl Method {
         "bilinear",
         "interior_point",
         "potential_reduction",
+        "newton",
+        "pgs",
+        "pgs_sm",
+        "nncg",
+        "apgd",
+        "admm",
     ];
 
     /// The method of that name with its default options.
@@ -82,7 +95,11 @@ impl Method {
             "chandrasekaran" => Ok(Self::Chandrasekaran),
             "enumerate" => Ok(Self::Enumerate),
             "potential_reduction" => Ok(Self::PotentialReduction(potential_reduction::Settings::default())),
-            _ => Err(LcpError::UnknownName { name: "method", value: name.to_owned(), choices: Self::NAMES }),
+            _ => Approximate::from_name(name).map(Self::Approximate).ok_or_else(|| LcpError::UnknownName {
+                name: "method",
+                value: name.to_owned(),
+                choices: Self::NAMES,
+            }),
         }
     }
 }
@@ -94,7 +111,7 @@ pub struct Settings {
     pub method: Method,
     /// Bound on the equilibrated residual of a solved problem, in `(0, 1)`.
     pub tol: f64,
-    /// A guess: only its support is used by pivoting methods.
+    /// A guess: pivoting methods use its support, approximate methods and the interior point method its values.
     pub z0: Option<Vec<f64>>,
     /// Whether the answer is to be proved.
     pub certify: Certify,
@@ -135,9 +152,24 @@ impl Default for Settings {
 /// # Errors
 /// Only for a broken promise of the caller: a wrong length, a number that is not finite, an option out of range.
 pub fn solve(lcp: &Lcp, settings: &Settings, control: &Control<'_>) -> Result<Solution> {
-    if let Some(solution) = small::solve(lcp, settings, control) {
-        return Ok(solution);
+    match solve_briefly(lcp, settings, control) {
+        Some(solution) => Ok(solution),
+        None => solve_at_length(lcp, settings, control),
     }
+}
+
+/// The first step of [`solve`], a few microseconds at most: the kernel for small problems. `None` says nothing about the
+/// problem or the settings.
+#[must_use]
+pub fn solve_briefly(lcp: &Lcp, settings: &Settings, control: &Control<'_>) -> Option<Solution> {
+    small::solve(lcp, settings, control)
+}
+
+/// What follows in [`solve`].
+///
+/// # Errors
+/// As [`solve`].
+pub fn solve_at_length(lcp: &Lcp, settings: &Settings, control: &Control<'_>) -> Result<Solution> {
     check(lcp, settings)?;
     let problem = Equilibrated::new(lcp);
     let solution = match at_once(&problem, settings) {
@@ -154,7 +186,7 @@ fn by_method(problem: &Equilibrated<'_>, settings: &Settings, control: &Control<
     let lcp = problem.original;
     let scaled = &problem.lcp;
     Ok(match &settings.method {
-        Method::Auto => pieces::auto(problem, settings, control),
+        Method::Auto => anytime::auto(problem, settings, control),
         Method::PrincipalPivoting => portfolio::principal_pivoting(problem, settings.tol, control),
         Method::Chandrasekaran => {
             certify(problem, chandrasekaran::chandrasekaran(scaled, control), "chandrasekaran", settings.tol)
@@ -188,43 +220,52 @@ fn by_method(problem: &Equilibrated<'_>, settings: &Settings, control: &Control<
             let z0 = settings.z0.as_deref().filter(|z0| potential_reduction::is_strictly_feasible(lcp, z0));
             reduce_potential(problem, z0, &options, control, settings.tol, |_| ())?
         }
+        Method::Approximate(method) => approximate::solve(problem, settings, method, control),
     })
 }
 
-/// Solves a sparse LCP by the interior point method, on `D A D`, and verifies the answer. The residual is that of the
-/// scaled problem; `z0` of the options is in the caller's units.
+/// Names of the methods that take a sparse A.
+pub const SPARSE_METHODS: &[&str] = &["auto", "interior_point", "newton", "pgs", "pgs_sm", "nncg", "apgd", "admm"];
+
+/// Solves a sparse LCP on `D A D` and verifies the answer; `"auto"` is the interior point method. The residual is that of
+/// the scaled problem.
 ///
 /// # Errors
-/// `OutOfRange` for `tol`; `WrongLength` or `NotFinite` for `z0`; `TooLarge` for an exact proof beyond
-/// [`SPARSE_EXACT_UP_TO`], because it is made on a dense copy.
-pub fn solve_sparse(
-    lcp: &SparseLcp,
-    tol: f64,
-    certify: Certify,
-    options: &interior_point::Settings,
-    control: &Control<'_>,
-) -> Result<Solution> {
-    if !(tol > 0.0 && tol < 1.0) {
-        return Err(LcpError::OutOfRange { name: "tol", value: tol, rule: "in (0, 1)" });
-    }
-    if let Some(z0) = &options.z0 {
-        check_vector("z0", z0, lcp.n())?;
-    }
-    if certify == Certify::Exact && lcp.n() > SPARSE_EXACT_UP_TO {
+/// `UnknownName` for a method that takes no sparse A; `OutOfRange` for `tol` and options; `WrongLength`, `NotFinite` or
+/// `Negative` for `z0`; `TooLarge` for an exact proof beyond [`SPARSE_EXACT_UP_TO`], because it is made on a dense copy.
+pub fn solve_sparse(lcp: &SparseLcp, settings: &Settings, control: &Control<'_>) -> Result<Solution> {
+    let tol = settings.tol;
+    check_common(lcp.n(), settings)?;
+    if settings.certify == Certify::Exact && lcp.n() > SPARSE_EXACT_UP_TO {
         let name = "certify=\"exact\" with a sparse A, which is proved on a dense copy,";
         return Err(LcpError::TooLarge { name, n: lcp.n(), limit: SPARSE_EXACT_UP_TO });
     }
     let scaling = Scaling::of_sparse(lcp);
     let scaled = lcp.scaled(&scaling);
-    let z0 = options.z0.as_deref().map(|z0| scaling.z_from_caller(z0));
-    let options = interior_point::Settings { tol, z0, ..options.clone() };
-    let found = if lcp.q().iter().all(|&q| q >= 0.0) {
-        Candidate { alpha: Some(vec![]), ..Candidate::point(vec![0.0; lcp.n()], crate::Termination::Converged, 0) }
-    } else {
+    let z0 = settings.z0.as_deref().map(|z0| scaling.z_from_caller(z0));
+    let trivial = lcp.q().iter().all(|&q| q >= 0.0);
+    let interior_point = |options: &interior_point::Settings| {
+        let options = interior_point::Settings { tol, z0: z0.clone(), ..options.clone() };
         interior_point::interior_point_sparse(&scaled, &options, control)
     };
-    let solution = certify_sparse(lcp, &scaled, &scaling, found, "interior_point", tol);
-    Ok(match certify {
+    let (found, name) = match &settings.method {
+        _ if trivial => {
+            let z = vec![0.0; lcp.n()];
+            (Candidate { alpha: Some(vec![]), ..Candidate::point(z, crate::Termination::Converged, 0) }, "trivial")
+        }
+        Method::Auto => (interior_point(&interior_point::Settings::default()), "interior_point"),
+        Method::InteriorPoint(options) => (interior_point(options), "interior_point"),
+        Method::Approximate(method) => {
+            let goal = Goal::of_sparse(tol, &scaling, lcp.q());
+            (method.run(&Sparse::new(&scaled), &goal, z0.as_deref(), control), method.name())
+        }
+        _ => {
+            let value = "one that needs a dense A".to_owned();
+            return Err(LcpError::UnknownName { name: "method", value, choices: SPARSE_METHODS });
+        }
+    };
+    let solution = certify_sparse(lcp, &scaled, &scaling, found, name, tol);
+    Ok(match settings.certify {
         Certify::Float => solution,
         Certify::Exact => prove::prove(&Equilibrated::new(&lcp.to_dense()), solution, tol, control),
     })
@@ -293,15 +334,7 @@ fn reduce_potential(
 /// Sizes and ranges of everything beside the problem itself.
 fn check(lcp: &Lcp, settings: &Settings) -> Result<()> {
     let n = lcp.n();
-    if !(settings.tol > 0.0 && settings.tol < 1.0) {
-        return Err(LcpError::OutOfRange { name: "tol", value: settings.tol, rule: "in (0, 1)" });
-    }
-    if let Some(z0) = &settings.z0 {
-        check_vector("z0", z0, n)?;
-        if let Some(index) = z0.iter().position(|&x| x < 0.0) {
-            return Err(LcpError::Negative { name: "z0", index, value: z0[index] });
-        }
-    }
+    check_common(n, settings)?;
     match &settings.method {
         Method::Lemke { settings: lemke::Settings { d: Some(d) }, .. } => {
             check_vector("d", d, n)?;
@@ -330,6 +363,22 @@ fn check(lcp: &Lcp, settings: &Settings) -> Result<()> {
     }
 }
 
+/// What does not depend on whether A is dense.
+fn check_common(n: usize, settings: &Settings) -> Result<()> {
+    if !(settings.tol > 0.0 && settings.tol < 1.0) {
+        return Err(LcpError::OutOfRange { name: "tol", value: settings.tol, rule: "in (0, 1)" });
+    }
+    if let Method::Approximate(method) = &settings.method {
+        method.check()?;
+    }
+    let Some(z0) = &settings.z0 else { return Ok(()) };
+    check_vector("z0", z0, n)?;
+    match z0.iter().position(|&x| x < 0.0) {
+        Some(index) => Err(LcpError::Negative { name: "z0", index, value: z0[index] }),
+        None => Ok(()),
+    }
+}
+
 fn check_vector(name: &'static str, v: &[f64], n: usize) -> Result<()> {
     if v.len() != n {
         return Err(LcpError::WrongLength { name, expected: n, found: v.len() });
@@ -339,7 +388,8 @@ fn check_vector(name: &'static str, v: &[f64], n: usize) -> Result<()> {
 
 /// The answers that cost no pivot.
 fn at_once(problem: &Equilibrated<'_>, settings: &Settings) -> Option<Solution> {
-    trivial(problem, settings.tol).or_else(|| warm(problem, settings))
+    let from_values = matches!(settings.method, Method::Approximate(_));
+    trivial(problem, settings.tol).or_else(|| if from_values { None } else { warm(problem, settings) })
 }
 
 /// `q >= 0`: z = 0 solves the problem, whatever A is.

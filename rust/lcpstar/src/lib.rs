@@ -6,6 +6,7 @@
 //! `error, status <- problem <- linalg, residual, pivoting, exact, presolve <- methods, certify <- driver <- batch`.
 //! [CPS92] writes `M` for our `A`; here `M` is a principal pivot transform of `A`.
 
+pub mod accuracy;
 pub mod batch;
 pub mod certify;
 pub mod classes;
@@ -13,6 +14,7 @@ pub mod control;
 pub mod driver;
 pub mod error;
 pub mod exact;
+pub mod iterative;
 pub mod linalg;
 pub mod methods;
 pub mod pivoting;

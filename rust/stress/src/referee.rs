@@ -9,7 +9,7 @@
 //!
 //! It is wrong, too, when the problem has no exact solution at all (decided for n <= [`ENUMERATED`] by trying every
 //! support, for any n by another method's exact Farkas vector) unless it is nearly solvable: unless some `(A + E, q + e)`
-//! with `|E| <= omega |A|`, `|e| <= omega |q|`, entry by entry, zeros kept, `omega = tol + 8 eps`, is solved by the point exactly.
+//! with `|E| <= omega |A|`, `|e| <= omega |q|`, entry by entry, zeros kept, `omega = sqrt(tol)`, is solved by the point exactly.
 //!
 //! "Infeasible" is right when `y >= 0`, `q'y < 0`, and `A'y <= 0` exactly; or when `A'y` exceeds 0 by `64 eps |A|'y` at most
 //! and no z >= 0 with `A z + q >= 0` has a sum below 1e10 in equilibrated units, which is "nearly" where an exact solution
@@ -198,7 +198,7 @@ impl<'a> Case<'a> {
         let cleaned: Vec<f64> = (0..n).map(|i| if inside[i] { answer.z[i] } else { 0.0 }).collect();
         let rows_cleaned = self.rows(&cleaned);
         let distance = distance(&answer.z, rows).min(distance(&cleaned, &rows_cleaned));
-        if distance.at_most(Wide::new(tol + 8.0 * f64::EPSILON)) {
+        if distance.at_most(Wide::new(1.000_001 * tol.sqrt())) {
             Ok(false)
         } else {
             Err(format!(
@@ -356,7 +356,7 @@ mod tests {
         let unsolvable = Problem { n: 2, a: vec![1.0, 0.0, -1.0, 0.0], q: vec![-1.0, 1.0 - 1e-12] };
         let answer = |tol| Case::new(&unsolvable).score(&said(Status::Solved, &[1.0, 0.0], &[0.0, -1e-12], 1e-11), tol);
         assert_eq!(answer(1e-9), Score::RightNearly);
-        assert!(matches!(answer(1e-13), Score::Wrong(_)));
+        assert!(matches!(answer(1e-26), Score::Wrong(_)));
         // The same with a row so small that only its own numbers show the error.
         let hidden = Problem { n: 2, a: vec![1.0, 1.0, -1e-12, 0.0], q: vec![-1.0, 0.0] };
         assert!(matches!(

@@ -65,8 +65,8 @@ fn measure(problem: &Equilibrated<'_>, mut z: Vec<f64>, tol: f64) -> Judged {
         let least = times_power_of_two(z[i], -unit).min(to_f64(w, -i64::from(unit)));
         rows_hold &= least.abs() <= 10.0 * tol * largest_q + 8.0 * f64::EPSILON * size;
         let off = if z[i] > 0.0 || w.value.is_negative() { w.value.abs() } else { BigInt::zero() };
-        rows_hold &=
-            off.is_zero() || ratio(&Scaled { value: off, exponent: w.exponent }, m) <= tol + 8.0 * f64::EPSILON;
+        let off = Scaled { value: off, exponent: w.exponent };
+        rows_hold &= off.value.is_zero() || ratio(&off, m) <= tol.sqrt();
     }
     let residual = (violation / largest_z).min(f64::MAX);
     let w: Vec<f64> = rows.iter().map(|(w, _)| to_f64(w, 0)).collect();

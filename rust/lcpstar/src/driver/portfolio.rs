@@ -3,16 +3,17 @@
 //! Deterministic; the first member whose point is certified (solved, or infeasible with a checked Farkas vector) answers
 //! and is named in the result. A member that fails costs its pivot budget, never the answer.
 
-use super::{Settings, support};
+use super::{Certify, Settings, small, support};
 use crate::certify::certify;
 use crate::control::Control;
 use crate::linalg::dd::Dd;
 use crate::methods::{
-    bilinear, block_pivoting, chandrasekaran, enumerate, feasibility, lemke, lemke_howson,
+    bilinear, block_pivoting, chandrasekaran, enumerate, feasibility, interior_point, lemke, lemke_howson,
     principal_pivoting as criss_cross,
 };
 use crate::problem::Lcp;
 use crate::scaling::Equilibrated;
+use crate::small::TINY_ORDER;
 use crate::solution::{Candidate, Solution};
 use crate::status::{Status, Termination};
 
@@ -115,7 +116,7 @@ pub(super) fn principal_pivoting(problem: &Equilibrated<'_>, tol: f64, control: 
 }
 
 /// See the module. Members: Chandrasekaran (Z), the guess, block pivoting (P-like), Lemke-Howson (bimatrix), Lemke and its
-/// restarts.
+/// restarts, the interior point method, successive linear programmes.
 pub(super) fn auto(problem: &Equilibrated<'_>, settings: &Settings, control: &Control<'_>) -> Solution {
     let mut race = Race::new(problem, settings.tol, control);
     let lcp = &problem.lcp;
@@ -134,6 +135,8 @@ pub(super) fn auto(problem: &Equilibrated<'_>, settings: &Settings, control: &Co
     if n >= BLOCK_PIVOTING_FROM && positive_diagonal {
         let options = block_pivoting::Settings {
             alpha: settings.z0.as_deref().map(support),
+            murty: false,
+            shift: if n > TINY_ORDER && settings.certify == Certify::Float { SHIFT } else { 0.0 },
             ..block_pivoting::Settings::default()
         };
         let found = race.run("block_pivoting", |control| {
@@ -142,6 +145,12 @@ pub(super) fn auto(problem: &Equilibrated<'_>, settings: &Settings, control: &Co
         });
         if found {
             return race.finish();
+        }
+        if small::block_pivoting_first(problem.original)
+            && let Some(mut solution) = small::solve_part(problem.original, settings, control)
+        {
+            solution.iterations += race.iterations;
+            return solution;
         }
     }
     if !warm_first && from_guess(&mut race, settings) {
@@ -158,6 +167,11 @@ pub(super) fn auto(problem: &Equilibrated<'_>, settings: &Settings, control: &Co
     if lemke_members(&mut race, super::DEFAULT_RESTARTS, 0) {
         return race.finish();
     }
+    // Frictional contact under a heavy load: the pivots that matter are as small as the rounding of redundant rows.
+    let options = interior_point::Settings::default();
+    if race.run("interior_point", |control| super::interior_point_candidate(problem, settings, &options, control)) {
+        return race.finish();
+    }
     let options = bilinear::Settings::default();
     if !race.run("bilinear", |control| bilinear::bilinear(lcp, &options, control)) && n <= ENUMERATE_UP_TO {
         race.run("enumerate", |control| enumerate::enumerate(lcp, control));
@@ -168,16 +182,22 @@ pub(super) fn auto(problem: &Equilibrated<'_>, settings: &Settings, control: &Co
 /// Largest order at which all index sets are tried when everything else has failed.
 const ENUMERATE_UP_TO: usize = 12;
 
+/// Shift of the diagonal for singular symmetric problems that the kernel is too small for: far above rounding, and so far
+/// below 1 that one proximal step makes up for it. Not where a proof is asked for, which needs a nonsingular basis.
+const SHIFT: f64 = 1e-10;
+
 /// Factorisations granted to block pivoting before the portfolio moves on.
 const BLOCK_PIVOTING_BUDGET: usize = 25;
 
 /// One linear programme decides whether FEA(q, A) is empty, whatever the class of A: the ray of Lemke's method need not.
 fn feasible_point(lcp: &Lcp, control: &Control<'_>) -> Candidate {
-    let found = feasibility::feasibility(lcp, &control.with_max_iterations(None));
+    let found = feasibility::feasibility(lcp, control);
+    let limited = control.max_iterations.is_some();
     let ended = |termination| Candidate::point(vec![0.0; lcp.n()], termination, found.iterations);
     match found.verdict {
         feasibility::Verdict::Infeasible(y) => Candidate { farkas: Some(y), ..ended(Termination::Infeasible) },
         feasibility::Verdict::Stopped(why @ (Termination::TimeLimit | Termination::Interrupted)) => ended(why),
+        feasibility::Verdict::Stopped(why @ Termination::IterationLimit) if limited => ended(why),
         feasibility::Verdict::Feasible(_) | feasibility::Verdict::Stopped(_) => {
             ended(Termination::Breakdown("a linear programme did not show that FEA(q, A) is empty"))
         }

@@ -4,8 +4,11 @@ use crate::certify::certify;
 use crate::control::Control;
 use crate::exact::dyadic::RationalVec;
 use crate::exact::face::{prove_by_programme, prove_tight};
-use crate::exact::proof::{ExactSolution, ProofOutcome, check_farkas, check_solution, prove_ray, prove_solution, repair_farkas};
-use crate::exact::repair::{self, Feasibility, Repaired};
+use crate::exact::farkas::{check_farkas, repair_farkas};
+use crate::exact::feasibility::Feasibility;
+use crate::exact::proof::{ExactSolution, ProofOutcome, check_solution, prove_solution};
+use crate::exact::ray::prove_ray;
+use crate::exact::repair::{self, Repaired};
 use crate::linalg::dd::Dd;
 use crate::linalg::kernels::max_abs;
 use crate::methods::{feasibility, lemke};
@@ -32,9 +35,7 @@ pub(super) fn prove(problem: &Equilibrated<'_>, mut solution: Solution, tol: f64
             {
                 let residual = solution.residual;
                 let mut solution = infeasible(solution, exact);
-                solution.message.push_str(&format!(
-                    ": by less than rounding, z solves the problem with residual {residual:.2e}"
-                ));
+                solution.message.push_str(&format!("; z solves it only up to a residual of {residual:.2e}"));
                 return solution;
             }
         }
@@ -83,14 +84,13 @@ fn solution_near(
         return Some(exact);
     }
     let near = Near::new(problem, solution);
-    let found = near
-        .tight_rows(stop)
-        .or_else(|| near.double_double_path(control, stop))
-        .or_else(|| near.programmes())
-        .or_else(|| match repair::repair(lcp, &solution.alpha, stop) {
-            Repaired::Solved(exact, _) => Some(exact),
-            Repaired::Ray(_) | Repaired::Interrupted => None,
-        });
+    let found =
+        near.tight_rows(stop).or_else(|| near.double_double_path(control, stop)).or_else(|| near.programmes()).or_else(
+            || match repair::repair(lcp, &solution.alpha, stop) {
+                Repaired::Solved(exact, _) => Some(exact),
+                Repaired::Ray(_) | Repaired::Interrupted => None,
+            },
+        );
     found.filter(|exact| check_solution(lcp, &exact.z))
 }
 
@@ -129,9 +129,8 @@ impl<'a> Near<'a> {
     }
 
     fn tight_rows(&self, stop: &dyn Fn() -> bool) -> Option<ExactSolution> {
-        self.guesses().find_map(|(support, tight)| {
-            prove_tight(self.problem.original, &self.solution.z, &support, &tight, stop)
-        })
+        self.guesses()
+            .find_map(|(support, tight)| prove_tight(self.problem.original, &self.solution.z, &support, &tight, stop))
     }
 
     /// Differences that doubles cannot see decide the basis of a degenerate solution: q is exact data, and its last bits
@@ -209,5 +208,5 @@ fn infeasible(mut solution: Solution, exact: RationalVec) -> Solution {
 fn exact_feasibility(problem: &Equilibrated<'_>, control: &Control<'_>) -> Feasibility {
     let control = control.with_max_iterations(None);
     let found = feasibility::feasibility(&problem.lcp, &control);
-    repair::feasibility(problem.original, &found.rho, &found.beta, &|| control.expired().is_some())
+    crate::exact::feasibility::feasibility(problem.original, &found.rho, &found.beta, &|| control.expired().is_some())
 }

@@ -5,11 +5,11 @@
 use super::dyadic::RationalVec;
 use super::int::Int;
 use super::lp::{self, Feasibility};
-use super::proof::{ExactSolution, Rows, check_solution, spread};
+use super::proof::{ExactSolution, check_solution, spread};
+use super::rows::Rows;
+use crate::problem::Lcp;
 use num_bigint::BigInt;
 use num_traits::Zero;
-
-use crate::problem::Lcp;
 
 /// Proves a solution with `z_i = 0` off `support` and `w_i = 0` in the rows `tight`, next to the doubles `z`.
 ///
@@ -24,8 +24,7 @@ pub fn prove_tight(
     stop: &dyn Fn() -> bool,
 ) -> Option<ExactSolution> {
     let values: Vec<f64> = support.iter().map(|&j| z[j]).collect();
-    let rows =
-        Rows { count: tight.len(), entry: &|i, j| lcp.row(tight[i])[support[j]], rhs: &|i| -lcp.q()[tight[i]] };
+    let rows = Rows { count: tight.len(), entry: &|i, j| lcp.row(tight[i])[support[j]], rhs: &|i| -lcp.q()[tight[i]] };
     let (part, _) = rows.point_near(&values, stop).ok()?;
     checked(lcp, support, spread(lcp.n(), support, part))
 }
@@ -41,7 +40,8 @@ pub fn prove_by_programme(lcp: &Lcp, alpha: &[usize]) -> Option<ExactSolution> {
             RationalVec::from_f64(&entries.collect::<Vec<f64>>()).numerators.into_iter().map(Int::from).collect()
         })
         .collect();
-    let mut columns: Vec<Vec<Int>> = (0..=alpha.len()).map(|j| rows.iter().map(|row| row[j].clone()).collect()).collect();
+    let mut columns: Vec<Vec<Int>> =
+        (0..=alpha.len()).map(|j| rows.iter().map(|row| row[j].clone()).collect()).collect();
     let rhs = columns.pop()?;
     let slack = |k: usize| (0..n).map(|i| Int::from(-i64::from(i == k))).collect();
     columns.extend((0..n).filter(|k| !alpha.contains(k)).map(slack));

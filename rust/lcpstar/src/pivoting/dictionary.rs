@@ -2,6 +2,7 @@
 
 mod restart;
 
+use super::path::Tableau;
 use super::real::Real;
 use super::var::Var;
 use crate::linalg::kernels;
@@ -242,10 +243,40 @@ impl<T: Real> Dictionary<T> {
     }
 }
 
+impl<T: Real> Tableau for Dictionary<T> {
+    fn of(lcp: &Lcp, d: &[f64]) -> Self {
+        Self::new(lcp, d)
+    }
+
+    fn column_of(&self, var: Var) -> Option<usize> {
+        self.column_of(var)
+    }
+
+    fn blocking_row(&mut self, s: usize, entering: Entering) -> Option<usize> {
+        self.blocking_row(s, entering)
+    }
+
+    fn exchange(&mut self, r: usize, s: usize) -> Var {
+        self.exchange(r, s)
+    }
+
+    fn basic_z(&self) -> Vec<usize> {
+        self.basic_z()
+    }
+
+    fn point(&self) -> (Vec<f64>, f64) {
+        self.point()
+    }
+
+    fn direction(&self, s: usize) -> (Vec<f64>, f64) {
+        self.direction(s)
+    }
+}
+
 /// `tol_pivot = PIVOT max|column|`, in doubles; scaled by the ratio of the rounding errors in other arithmetic.
-const PIVOT: f64 = 1e-11;
+pub(super) const PIVOT: f64 = 1e-11;
 
 /// Numbers `x_r` tie when they differ by less than `64 sqrt(n) EPS max|x|`: what n pivots leave of equality.
-fn tie_tolerance<T: Real>(n: usize) -> f64 {
+pub(super) fn tie_tolerance<T: Real>(n: usize) -> f64 {
     64.0 * (n as f64).sqrt() * T::EPSILON
 }

@@ -50,7 +50,7 @@ pub(crate) const TIE: f64 = 1.0 + 1e-11;
 pub(crate) const NOISE: f64 = 1e-14;
 
 /// A correction that leaves less than this part of a value shows that the value was rounding error.
-const CANCELLED: f64 = 1e-8;
+pub(crate) const CANCELLED: f64 = 1e-8;
 
 /// The tableau and what belongs to it; grows to the largest problem it has seen.
 pub struct Tableau<X> {

@@ -15,7 +15,7 @@ const REFINEMENTS: usize = 3;
 /// A last correction above this fraction calls for another factorisation.
 const ACCURATE: f64 = 1e-8;
 /// A first correction below this fraction: solves with this factorisation are good as they are.
-const GOOD: f64 = 1e-11;
+const GOOD: f64 = 1e-9;
 /// Refinement ends when a correction is below this fraction of the solution.
 const REFINED: f64 = 1e-13;
 /// Centrality correctors at most, and the growth of the step that each must bring.

@@ -1,0 +1,119 @@
+//! The approximate methods: one goal, one start, dense or sparse.
+
+use super::Settings;
+use crate::certify::certify;
+use crate::control::Control;
+use crate::error::{LcpError, Result};
+use crate::iterative::{Dense, Goal, Matrix};
+use crate::methods::{admm, apgd, newton, nncg, pgs, pgs_sm};
+use crate::scaling::Equilibrated;
+use crate::solution::{Candidate, Solution};
+
+/// A method that improves a point from iteration to iteration, and its options.
+#[derive(Clone, Debug)]
+pub enum Approximate {
+    /// Projected Gauss-Seidel.
+    Pgs(pgs::Settings),
+    /// Projected Gauss-Seidel with subspace minimisation.
+    PgsSm(pgs_sm::Settings),
+    /// Nonsmooth nonlinear conjugate gradients.
+    Nncg,
+    /// Accelerated projected gradients.
+    Apgd,
+    /// ADMM.
+    Admm(admm::Settings),
+    /// Newton's method on the minimum map.
+    Newton(newton::Settings),
+}
+
+impl Approximate {
+    /// The method of that name with its default options.
+    #[must_use]
+    pub fn from_name(name: &str) -> Option<Self> {
+        match name {
+            "pgs" => Some(Self::Pgs(pgs::Settings::default())),
+            "pgs_sm" => Some(Self::PgsSm(pgs_sm::Settings::default())),
+            "nncg" => Some(Self::Nncg),
+            "apgd" => Some(Self::Apgd),
+            "admm" => Some(Self::Admm(admm::Settings::default())),
+            "newton" => Some(Self::Newton(newton::Settings::default())),
+            _ => None,
+        }
+    }
+
+    /// Its name.
+    #[must_use]
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Pgs(_) => "pgs",
+            Self::PgsSm(_) => "pgs_sm",
+            Self::Nncg => "nncg",
+            Self::Apgd => "apgd",
+            Self::Admm(_) => "admm",
+            Self::Newton(_) => "newton",
+        }
+    }
+
+    /// Ranges of the options.
+    pub(super) fn check(&self) -> Result<()> {
+        let within = |name, value: f64, holds: bool, rule| {
+            if holds { Ok(()) } else { Err(LcpError::OutOfRange { name, value, rule }) }
+        };
+        let relaxation = |x: f64| within("relaxation", x, x > 0.0 && x < 2.0, "in (0, 2)");
+        let positive = |name, count: usize| within(name, count as f64, count > 0, "at least 1");
+        match self {
+            Self::Pgs(options) => relaxation(options.relaxation),
+            Self::PgsSm(options) => {
+                relaxation(options.relaxation)?;
+                positive("sweeps", options.sweeps)?;
+                positive("solves", options.solves)
+            }
+            Self::Admm(options) => {
+                relaxation(options.relaxation)?;
+                within("rho", options.rho, options.rho > 0.0 && options.rho.is_finite(), "positive and finite")
+            }
+            Self::Newton(options) => positive("patience", options.patience),
+            Self::Nncg | Self::Apgd => Ok(()),
+        }
+    }
+
+    /// Runs it on a scaled problem; `z0` in its units.
+    pub(super) fn run(
+        &self,
+        matrix: &impl Matrix,
+        goal: &Goal,
+        z0: Option<&[f64]>,
+        control: &Control<'_>,
+    ) -> Candidate {
+        match self {
+            Self::Pgs(options) => pgs::pgs(matrix, goal, options, z0, control),
+            Self::PgsSm(options) => pgs_sm::pgs_sm(matrix, goal, options, z0, control),
+            Self::Nncg => nncg::nncg(matrix, goal, z0, control),
+            Self::Apgd => apgd::apgd(matrix, goal, z0, control),
+            Self::Admm(options) => admm::admm(matrix, goal, options, z0, control),
+            Self::Newton(options) => newton::newton(matrix, goal, options, z0, control),
+        }
+    }
+}
+
+/// Runs the method on `D A D`, because `D_r A D_c` with `D_r != D_c` need not be monotone when A is; the goal is measured on
+/// the equilibrated problem all the same. Starts from the values of `z0`.
+pub(super) fn solve(
+    problem: &Equilibrated<'_>,
+    settings: &Settings,
+    method: &Approximate,
+    control: &Control<'_>,
+) -> Solution {
+    let (original, target) = (problem.original, &problem.scaling);
+    let scaling = target.congruent(original);
+    let goal = Goal::new(settings.tol, &scaling, target, original.q());
+    let z0 = settings.z0.as_deref().map(|z0| scaling.z_from_caller(z0));
+    let run = |lcp| method.run(&Dense::new(lcp), &goal, z0.as_deref(), control);
+    let found = if scaling == *target {
+        run(&problem.lcp)
+    } else {
+        let found = run(&Equilibrated::with(original, scaling.clone()).lcp);
+        Candidate { z: target.z_from_caller(&scaling.z_to_caller(&found.z)), ..found }
+    };
+    certify(problem, found, method.name(), settings.tol)
+}
