@@ -290,14 +290,37 @@ def _farkas(problem: _Problem, certificate: Any, exact: bool) -> list[Check]:
             Check("exact q'y < 0", value < 0),
         ]
     v = np.asarray(y, dtype=np.float64)
-    size = max(float(np.max(np.abs(problem.q), initial=0.0)), 5e-324)
-    q = np.ldexp(problem.q, -int(np.frexp(size)[1]))  # so that no product of a subnormal q underflows
-    value_size = float(np.abs(q) @ np.abs(v))
-    value_float = float(q @ v)
+    if not _ordinary(problem.A, problem.q, v):
+        return _farkas_in_fractions(problem, v)
+    value_size = float(np.abs(problem.q) @ np.abs(v))
+    value_float = float(problem.q @ v)
     return [
         Check("y >= 0", bool(np.all(v >= 0))),
         Check("A'y <= 0 up to rounding", bool(np.all(v @ problem.A <= _SOLVE_TOL * (np.abs(v) @ np.abs(problem.A))))),
         Check("q'y < 0", value_float < -(problem.n + 8) * _EPS * value_size, f"{value_float:.3g}"),
+    ]
+
+
+def _ordinary(*arrays: Vector | Matrix) -> bool:
+    """Whether no product of two of these numbers leaves the range of doubles."""
+    sizes = np.concatenate([np.abs(array[array != 0.0]).ravel() for array in arrays])
+    return bool(np.all((sizes > 1e-150) & (sizes < 1e150)))
+
+
+def _farkas_in_fractions(problem: _Problem, v: Vector) -> list[Check]:
+    """As for a rounded vector, but where products of doubles would overflow or underflow."""
+    finite = bool(np.isfinite(v).all())
+    y = [Fraction(float(x)) for x in v] if finite else []
+
+    def sums(column: Vector) -> tuple[Fraction, Fraction]:
+        terms = [Fraction(float(a)) * x for a, x in zip(column, y, strict=finite)]
+        return sum(terms, Fraction(0)), sum(map(abs, terms), Fraction(0))
+
+    columns = [sums(column) for column in problem.A.T]
+    return [
+        Check("y >= 0", finite and min(y, default=Fraction(0)) >= 0),
+        Check("A'y <= 0 up to rounding", all(value <= Fraction(_SOLVE_TOL) * size for value, size in columns)),
+        Check("q'y < 0", sums(problem.q)[0] < 0),
     ]
 
 

@@ -114,7 +114,7 @@ fn main() -> ExitCode {
     };
     std::panic::set_hook(Box::new(|_| ()));
     std::thread::spawn(watch);
-    let begun = Instant::now();
+    let (begun, commit) = (Instant::now(), commit());
     let chunks = chunks(&given);
     let done = AtomicU64::new(0);
     let attacked = |&(attack, chunk): &(usize, u64)| {
@@ -142,7 +142,7 @@ fn main() -> ExitCode {
         eprintln!("{}: {error}", findings.display());
     }
     if let Some(folder) = &given.record
-        && let Err(error) = record(folder, &given, &tally, seconds)
+        && let Err(error) = record(folder, &given, &tally, &commit, seconds)
     {
         eprintln!("{}: {error}", folder.display());
         return ExitCode::from(2);
@@ -150,9 +150,11 @@ fn main() -> ExitCode {
     if tally.findings.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }
 
-fn record(folder: &Path, given: &Arguments, tally: &Tally, seconds: f64) -> std::io::Result<()> {
-    let command =
-        format!("make stress STRESS=\"--count {} --large {} --seed {}\"", given.count, given.large, given.plan.seed);
+fn record(folder: &Path, given: &Arguments, tally: &Tally, commit: &str, seconds: f64) -> std::io::Result<()> {
+    let command = format!(
+        "make stress-record STRESS=\"--count {} --large {} --seed {}\"",
+        given.count, given.large, given.plan.seed
+    );
     let (summary, tables, missed) = (report::summary(tally), report::tables(tally), report::missed(tally));
     let record = format!(
         "# Stress campaign\n\nMachine: {}, {} threads. lcpstar {} at commit {}. Command: `{command}`. {seconds:.0} s, the referee's \
@@ -161,7 +163,7 @@ fn record(folder: &Path, given: &Arguments, tally: &Tally, seconds: f64) -> std:
         processor(),
         given.threads,
         env!("CARGO_PKG_VERSION"),
-        commit(),
+        commit,
     );
     std::fs::write(folder.join("benches/record/stress.md"), record)?;
     let docs =

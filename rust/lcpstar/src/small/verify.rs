@@ -8,7 +8,10 @@
 //! without equilibrating.
 //!
 //! `certify` also bounds `max|min(z', w')|` itself on the equilibrated problem. `b_i <= 0.5e-6 |q_i|` in every row is enough for
-//! that in any units; where a row fails it, as one with `q_i = 0` does, the scaling is needed: [`is_small_when_equilibrated`].
+//! that in any units. Where a row fails it, as one with `q_i = 0` does: let every nonzero row and column have its largest entry
+//! in [1/K, K]. The first sweep of the equilibration moves no exponent by more than half of `log K`; it leaves no entry above 1
+//! and no row below `1/K`, which the other sweeps undo by halves. So with two bits for its rounding `2^(r_i + s) max|q| <=
+//! 16 K^3`, and `16 K^3 max b_i <= 1e-6 max|q|` is enough. Beyond that the scaling is needed: [`is_small_when_equilibrated`].
 
 use super::lane::{Lane, Mask};
 use crate::problem::Lcp;
@@ -78,8 +81,13 @@ pub fn verify<X: Lane, const N: usize>(n: usize, a: &[X], q: &[X], z: &[X], w: &
     if solved.and(rows.empty).any() {
         solved = solved.and(nothing_lost::<X, N>(n, a, q, z));
     }
-    let unsettled = solved.and(rows.small.not());
-    Verdict { solved: solved.and(rows.small), unsettled, residual, natural_residual: rows.natural }
+    let mut small = rows.small;
+    if solved.and(small.not()).any() {
+        let grown = rows.natural.mul(growth::<X, N>(n, a));
+        small = small.or(grown.le(largest_q.mul(X::splat(absolute(tol)))));
+    }
+    let unsettled = solved.and(small.not());
+    Verdict { solved: solved.and(small), unsettled, residual, natural_residual: rows.natural }
 }
 
 /// Lanes where an `m_i = 0` means that the row has no term, not that every product underflowed.
@@ -103,6 +111,33 @@ fn nothing_lost<X: Lane, const N: usize>(n: usize, a: &[X], q: &[X], z: &[X]) ->
 /// In every row, `b_i` below this part of `|q_i|` keeps `max|min(z', w')|` below `ABSOLUTE` of `certify`, since `|q'| < 1`.
 const PART_OF_Q: f64 = 0.5e-6;
 
+/// What `max|min(z', w')|` may be.
+#[inline(always)]
+fn absolute(tol: f64) -> f64 {
+    0.999 * tol.max(2.0 * PART_OF_Q)
+}
+
+/// `16 K^3`, see the module.
+#[inline(always)]
+fn growth<X: Lane, const N: usize>(n: usize, a: &[X]) -> X {
+    let n = if N == 0 { n } else { N };
+    let (zero, one) = (X::splat(0.0), X::splat(1.0));
+    let (mut most, mut least) = (one, one);
+    for i in 0..n {
+        let (mut row, mut column) = (zero, zero);
+        for j in 0..n {
+            row = a[i * n + j].abs().max(row);
+            column = a[j * n + i].abs().max(column);
+        }
+        for x in [row, column] {
+            most = x.max(most);
+            least = x.or_else(zero.lt(x), one).min(least);
+        }
+    }
+    let k = most.max(one.div(least));
+    k.mul(k).mul(k).mul(X::splat(16.0))
+}
+
 /// Whether `max|min(z', w')| <= max(tol, 1e-6)` on the equilibrated problem, for a point that passed everything else.
 #[cold]
 pub fn is_small_when_equilibrated(n: usize, a: &[f64], q: &[f64], z: &[f64], w: &[f64], tol: f64) -> bool {
@@ -112,7 +147,7 @@ pub fn is_small_when_equilibrated(n: usize, a: &[f64], q: &[f64], z: &[f64], w: 
     (0..n).all(|i| {
         let m = lcp.row(i).iter().zip(z).fold(q[i].abs(), |m, (a, z)| m + a.abs() * z);
         let b = if z[i] > 0.0 { w[i].abs() } else { (-w[i]).max(0.0) } + rounding * m;
-        times_power_of_two(b, scaling.rows[i] + scaling.q) <= 0.999 * tol.max(2.0 * PART_OF_Q)
+        times_power_of_two(b, scaling.rows[i] + scaling.q) <= absolute(tol)
     })
 }
 
@@ -192,6 +227,9 @@ pub fn verify_one<X: Lane<Number = f64>>(
     }
     let residual = (2.0 * n as f64 + 1.0) * ratio;
     solved &= residual <= 0.999 * tol;
+    if solved && !small {
+        small = natural * growth_of_one(n, width, a) <= absolute(tol) * largest_q;
+    }
     Judged { solved: solved && small, unsettled: solved && !small, residual, natural_residual: natural }
 }
 
@@ -200,6 +238,34 @@ pub fn verify_one<X: Lane<Number = f64>>(
 fn is_term<X: Lane>(a: X, z: X) -> bool {
     let zero = X::splat(0.0);
     zero.lt(a.abs()).and(zero.lt(z)).any()
+}
+
+/// Vectors per row up to which the columns are looked at.
+const WIDEST: usize = 32;
+
+/// [`growth`] for one problem in padded rows.
+#[inline(always)]
+fn growth_of_one<X: Lane<Number = f64>>(n: usize, width: usize, a: &[X]) -> f64 {
+    if width > WIDEST {
+        return f64::INFINITY;
+    }
+    let (zero, one) = (X::splat(0.0), X::splat(1.0));
+    let mut columns = [zero; WIDEST];
+    let (mut most, mut least) = (1.0_f64, 1.0_f64);
+    for row in a[..n * width].chunks_exact(width) {
+        let mut largest = zero;
+        for (a, m) in row.iter().zip(&mut columns) {
+            largest = a.abs().max(largest);
+            *m = a.abs().max(*m);
+        }
+        let largest = largest.largest();
+        most = most.max(largest);
+        least = if largest > 0.0 { least.min(largest) } else { least };
+    }
+    for column in &columns[..width] {
+        least = least.min(column.or_else(zero.lt(*column), one).smallest());
+    }
+    16.0 * most.max(1.0 / least).powi(3)
 }
 
 /// What [`verify_one`] found.
