@@ -30,7 +30,8 @@ def check(A, q, solution):
         assert_solves(A, q, solution)
     elif solution.status == "infeasible":
         assert_farkas(A, q, solution.certificate.y)
-    assert lcpstar.verify(A, q, solution)
+    if solution.status != "secondary_ray":  # no claim about the problem
+        assert lcpstar.verify(A, q, solution)
     return solution.status
 
 

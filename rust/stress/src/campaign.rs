@@ -130,7 +130,7 @@ impl Plan {
         };
         let batches = [
             (BATCH, in_batch(BATCH, Guess::None)),
-            (BATCH_GUESS, if chunk % 2 == 0 { in_batch(BATCH_GUESS, Guess::Points(&guess)) } else { None }),
+            (BATCH_GUESS, if chunk.is_multiple_of(2) { in_batch(BATCH_GUESS, Guess::Points(&guess)) } else { None }),
         ];
         for (k, problem) in problems.iter().enumerate().filter(|(k, _)| self.only.is_none_or(|only| only == *k)) {
             tally.problems[attack] += 1;
@@ -173,10 +173,10 @@ impl Plan {
         if n >= 1000 {
             return vec![AUTO, NAMED + turn % named];
         }
-        if turn % 2 == 0 {
+        if turn.is_multiple_of(2) {
             asked.push(WRONG_Z0);
         }
-        if turn % 8 == 0 && n <= 16 {
+        if turn.is_multiple_of(8) && n <= 16 {
             asked.push(EXACT);
         }
         asked.push(NAMED + turn % named);
@@ -349,8 +349,15 @@ fn solve_batch(problems: &[Problem], tol: f64, guess: Guess<'_>) -> Option<Vec<A
         natural_residual: &mut natural,
         alpha: Alpha::Flags(&mut alpha),
     };
-    let given = Problems { n, count, a: &a, a_source: Source::Each, q: &q, q_source: Source::Each };
-    let settings = batch::Settings { method: &Method::Auto, tol, threads: 1, guess, interrupted: None };
+    let given = Problems {
+        n,
+        count,
+        a: batch::Numbers::Double(&a),
+        a_source: Source::Each,
+        q: batch::Numbers::Double(&q),
+        q_source: Source::Each,
+    };
+    let settings = batch::Settings { method: &Method::Auto, tol, threads: 1, guess, interrupted: None, polish: false };
     let run = || batch::solve_batch(&given, &settings, output);
     catch_unwind(AssertUnwindSafe(run)).ok()?.ok()?;
     let answer = |k: usize| Answer {

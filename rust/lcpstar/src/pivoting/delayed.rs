@@ -317,7 +317,8 @@ mod tests {
     #[test]
     fn agrees_with_the_plain_dictionary() {
         for n in [1, 3, 8, 21, 40] {
-            let entry = |k: usize| ((k * 7919 % 101) as f64) / 50.0 - 1.0 + if k % (n + 1) == 0 { 4.0 } else { 0.0 };
+            let entry =
+                |k: usize| ((k * 7919 % 101) as f64) / 50.0 - 1.0 + if k.is_multiple_of(n + 1) { 4.0 } else { 0.0 };
             let a = (0..n * n).map(entry).collect();
             let q = (0..n).map(|i| ((i * 37 % 11) as f64) - 5.0).collect();
             let lcp = Lcp::new(n, a, q).expect("valid");
