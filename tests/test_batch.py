@@ -199,7 +199,7 @@ def test_one_matrix_with_many_vectors(n):
 
 @pytest.mark.parametrize("n", [6, 12, 18, 30])
 def test_a_right_guess_of_frictional_contacts(n):
-    """A right point takes no pivot; a right support takes none where it is regular without exchanges."""
+    """No pivot where the support is regular without exchanges, which nearly all are."""
     A, q = stewart_trinkle(600, n)
     cold = lcpstar.solve_batch(A, q)
     warm = lcpstar.solve_batch(A, q, z0=cold.z)
@@ -207,7 +207,7 @@ def test_a_right_guess_of_frictional_contacts(n):
     assert ((warm.method == "newton") & (warm.iterations <= 1)).mean() > 0.9
     warm = lcpstar.solve_batch(A, q, alpha0=cold.alpha)
     assert_solved(A, q, warm)
-    assert ((warm.method == "newton") & (warm.iterations == 1)).mean() > 0.3
+    assert ((warm.method == "newton") & (warm.iterations == 1)).mean() > 0.95
 
 
 def test_a_point_on_a_singular_support_is_a_guess():

@@ -7,6 +7,7 @@
 //! singular blocks; the error it leaves is removed by refinement, and `verify` has the last word.
 
 use crate::small::lane::{Lane, Mask};
+use crate::small::lemke::CANCELLED;
 
 /// Smallest pivot, relative to the diagonal entry it started from.
 pub const FLOOR: f64 = 1e-9;
@@ -19,7 +20,7 @@ const NOISE: f64 = 64.0;
 
 /// The numbers of several problems of order n, lane by lane, and the memory that solving them takes.
 pub struct Tile<X: Lane> {
-    /// `A`, row-major; padded to a multiple of `LANES`, as is `q`.
+    /// `A`, row-major.
     pub a: Vec<X>,
     /// `q`.
     pub q: Vec<X>,
@@ -55,10 +56,9 @@ impl<X: Lane> Tile<X> {
     #[must_use]
     pub fn new(n: usize) -> Self {
         let (vector, zero) = (vec![X::splat(0.0); n], X::splat(0.0));
-        let padded = |length: usize| vec![zero; length.next_multiple_of(X::LANES)];
         Self {
-            a: padded(n * n),
-            q: padded(n),
+            a: vec![zero; n * n],
+            q: vector.clone(),
             z: vector.clone(),
             w: vector.clone(),
             alpha: vec![X::Mask::NONE; n],
@@ -93,7 +93,7 @@ pub fn newton<X: Lane, const N: usize>(
     let mut iterations = [0; 16];
     let mut unsettled = lanes;
     for _ in 0..limit {
-        let regular = solve::<X, N>(n, tile, symmetric);
+        let regular = solve::<X, N>(n, tile, symmetric, limit == 1);
         multiply::<X, N>(n, tile);
         for l in 0..X::LANES {
             iterations[l] += u8::from(unsettled.get(l));
@@ -132,15 +132,19 @@ fn improve_guess<X: Lane, const N: usize>(n: usize, tile: &mut Tile<X>) -> X::Ma
     changed
 }
 
-/// `z_a = -A_aa^-1 q_a`, 0 elsewhere. Returns the lanes in which no pivot was raised.
+/// `z_a = -A_aa^-1 q_a`, 0 elsewhere and, if `cleaned`, where it is rounding error. Returns the lanes in which no pivot
+/// was raised.
 #[inline(always)]
-fn solve<X: Lane, const N: usize>(n: usize, tile: &mut Tile<X>, symmetric: bool) -> X::Mask {
+fn solve<X: Lane, const N: usize>(n: usize, tile: &mut Tile<X>, symmetric: bool, cleaned: bool) -> X::Mask {
     let n = if N == 0 { n } else { N };
     let Tile { a, q, z, alpha, block, .. } = tile;
     if is_masked::<N>(n) {
         let Block { factors, inverse, .. } = block;
         let regular = factor::<X, N>(n, a, q, alpha, factors, inverse, symmetric);
         substitute_back::<X, N>(n, factors, z);
+        if cleaned {
+            clean::<X, N>(n, q, alpha, factors, inverse, z);
+        }
         return regular;
     }
     block.gather(n, a, q, alpha);
@@ -148,6 +152,9 @@ fn solve<X: Lane, const N: usize>(n: usize, tile: &mut Tile<X>, symmetric: bool)
     let Block { a, q, inside, factors, inverse, x, .. } = block;
     let regular = factor::<X, 0>(size, a, q, inside, factors, inverse, symmetric);
     substitute_back::<X, 0>(size, factors, x);
+    if cleaned {
+        clean::<X, 0>(size, q, inside, factors, inverse, x);
+    }
     block.scatter();
     z[..n].copy_from_slice(&block.z[..n]);
     regular
@@ -313,6 +320,27 @@ fn substitute_back<X: Lane, const N: usize>(n: usize, factors: &[X], z: &mut [X]
     }
 }
 
+/// Sets to zero what is not larger than the rounding errors of the two substitutions it came from: degenerate rows of a
+/// guessed support, in which anything else is a wrong w. O(n^2).
+#[inline(always)]
+fn clean<X: Lane, const N: usize>(n: usize, q: &[X], alpha: &[X::Mask], factors: &[X], inverse: &[X], z: &mut [X]) {
+    let n = if N == 0 { n } else { N };
+    let s = n + 1;
+    let (f, z) = (&factors[..n * s], &mut z[..n]);
+    let rounding = X::splat(NOISE * X::EPS);
+    for i in 0..n {
+        let mut size = q[i].abs().only(alpha[i]);
+        for k in 0..i {
+            size = size.add_product(f[i * s + k].abs(), f[k * s + n].abs());
+        }
+        size = size.mul(inverse[i].abs());
+        for k in i + 1..n {
+            size = size.add_product(f[i * s + k].abs(), z[k].abs());
+        }
+        z[i] = z[i].only(size.mul(rounding).lt(z[i].abs()));
+    }
+}
+
 /// `w = A z + q`.
 #[inline(always)]
 pub fn multiply<X: Lane, const N: usize>(n: usize, tile: &mut Tile<X>) {
@@ -373,7 +401,10 @@ pub fn refine<X: Lane, const N: usize>(n: usize, tile: &mut Tile<X>, which: X::M
     }
     for i in 0..n {
         let step = if masked { block.x[i] } else { block.z[i] };
-        tile.z[i] = tile.z[i].sub(step).max(X::splat(0.0)).or_else(which, tile.z[i]);
+        // What cancels was rounding error, and what was zero stays zero.
+        let (old, better) = (tile.z[i], tile.z[i].sub(step));
+        let kept = old.mul(X::splat(CANCELLED)).lt(better).and(X::splat(0.0).lt(old));
+        tile.z[i] = better.only(kept).or_else(which, old);
     }
     multiply::<X, N>(n, tile);
 }
