@@ -13,7 +13,8 @@ export OMP_NUM_THREADS ?= 1
 
 RUST_SOURCES := $(shell find rust -name '*.rs') Cargo.toml Cargo.lock rust/lcpstar/Cargo.toml rust/lcpstar-py/Cargo.toml
 
-.PHONY: help demo build test test-rust test-python lint fmt bench bench-deps wheel docs all clean
+.PHONY: help demo build test test-rust test-python lint fmt bench bench-deps bench-tradeoff corpus stress stress-record fuzz miri soak \
+	coverage wheel docs all clean
 
 help: ## list the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 16
@@ -36,10 +37,17 @@ demo: build ## the main job: the paper, a PPT, a verdict, a stack of boxes
 test: test-rust test-python ## all tests
 
 test-rust:
-	cargo test --quiet --release -p lcpstar
+	cargo test --quiet --release -p lcpstar -p lcpstar-stress
 
 test-python: build
 	$(BIN)/pytest
+
+STRESS ?= --count 100000 --large 2
+stress: ## attack every method, score the answers exactly (minutes; STRESS="--count N --seed S ...", see --help)
+	cargo run --quiet --release -p lcpstar-stress -- $(STRESS)
+
+stress-record: ## the same, and write docs/stress.md and benches/record/stress.md
+	cargo run --quiet --release -p lcpstar-stress -- $(STRESS) --record .
 
 lint: build ## formatting, clippy, ruff, mypy, stubs, Rust docs
 	cargo fmt --all --check
@@ -63,6 +71,32 @@ bench-deps: $(VENV)/.bench ## the peers that benchmarks compare with
 
 bench: build $(VENV)/.bench ## benchmarks beside peers, recorded in benches/record/
 	$(PY) benches/run.py
+
+corpus: build ## every problem of $$LCPSTAR_CORPUS solved and proved; writes docs/corpus.md
+	cd benches && ../$(PY) corpus.py
+
+bench-tradeoff: build ## every method at every tolerance, recorded with plots; about 10 minutes
+	$(PY) benches/tradeoff.py
+
+TIME ?= 600
+FUZZ := target/release/lcpstar-fuzz
+fuzz: ## coverage-guided fuzzing of the core for TIME=600 seconds; needs a C++ compiler
+	cd fuzz && RUSTC_WRAPPER=$(abspath fuzz/rustc.sh) cargo build --release --target-dir ../target
+	mkdir -p target/fuzz/corpus target/fuzz/findings
+	tar -xzf fuzz/corpus.tar.gz -C target/fuzz/corpus
+	$(FUZZ) target/fuzz/corpus -fork=1 -ignore_crashes=1 -ignore_timeouts=1 -max_total_time=$(TIME) -timeout=120 \
+		-max_len=800 -len_control=20 -artifact_prefix=target/fuzz/findings/
+
+miri: ## the unsafe code under Miri, and under AddressSanitizer on the machine's own instructions; needs nightly
+	cd fuzz/miri && RUSTFLAGS="-Ctarget-feature=+avx2,+fma" cargo +nightly miri test --target-dir ../../target/miri
+	cd fuzz/miri && RUSTFLAGS="-Zsanitizer=address -Ctarget-cpu=native" \
+		cargo +nightly test --lib --target x86_64-unknown-linux-gnu --target-dir ../../target/asan
+
+coverage: build ## lines and branches of the core reached by both test suites; needs llvm-tools
+	$(PY) benches/coverage.py
+
+soak: build ## a million calls, threads, forks, interrupts, shutdowns
+	$(PY) benches/soak.py
 
 wheel: $(VENV)/.dev ## an abi3 wheel in dist/
 	$(BIN)/maturin build --profile dist --out dist

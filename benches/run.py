@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 #: In the order of the README.
-BENCHMARKS = ["call", "families", "batch", "interior_point", "classes"]
+BENCHMARKS = ["call", "families", "batch", "interior_point", "classes", "scenes"]
 
 
 def main() -> None:

@@ -76,7 +76,7 @@ def test_more_iterations_are_never_worse(family, method):
 def test_a_time_limit_returns_the_best_point(method):
     A, q = problems.box_stack(40, 1e8, seed=1)
     sol = lcpstar.solve(A, q, method=method, tol=1e-15, time_limit=0.02)
-    assert sol.status in ("time_limit", "numerical_breakdown", "solved")
+    assert sol.status in ("time_limit", "max_iterations", "numerical_breakdown", "solved")
     assert sol.residual <= lcpstar.solve(A, q, method=method, tol=1e-15, max_iterations=0).residual
     assert (sol.z >= 0).all()
     assert sol.time < 5

@@ -90,22 +90,135 @@ def test_units_do_not_matter(scale):
     assert np.allclose(sols.z, scale * plain.z / c, rtol=1e-9, atol=0.0)
 
 
-@pytest.mark.parametrize("n", [4, 12, 24])
-@pytest.mark.parametrize("family", [random_pd, psd_rank_half, stewart_trinkle])
-def test_same_bits_for_any_threads_split_and_order(family, n):
-    A, q = family(1500, 6 if family is stewart_trinkle and n == 4 else n)
-    whole = lcpstar.solve_batch(A, q, threads=1)
+def assert_bits_do_not_depend_on_the_batch(A, q, guess=None, **options):
+    """Threads, splits and permutations; `guess` is an alpha0 or, if its last axis is n, a z0."""
+
+    def solve(part, threads=None):
+        given = {} if guess is None else {"alpha0" if guess.ndim == 1 else "z0": guess[part]}
+        return lcpstar.solve_batch(A[part], q[part], threads=threads, **given, **options)
+
+    count = len(q)
+    whole = solve(slice(None), threads=1)
     for threads in (2, 4):
-        assert_same_bits(whole, lcpstar.solve_batch(A, q, threads=threads))
+        assert_same_bits(whole, solve(slice(None), threads))
+    parts = [solve(slice(i, j)) for i, j in [(0, 1), (1, 14), (14, count // 2), (count // 2, count)]]
+    order = np.random.default_rng(0).permutation(count)
+    mixed = solve(order, threads=2)
     for field in FIELDS:
-        parts = [
-            getattr(lcpstar.solve_batch(A[i:j], q[i:j]), field) for i, j in [(0, 1), (1, 14), (14, 700), (700, 1500)]
-        ]
-        assert np.concatenate(parts).tobytes() == getattr(whole, field).tobytes(), field
-    order = np.random.default_rng(0).permutation(1500)
-    mixed = lcpstar.solve_batch(A[order], q[order], threads=2)
-    for field in FIELDS:
-        assert getattr(mixed, field).tobytes() == getattr(whole, field)[order].tobytes(), field
+        expected = getattr(whole, field)
+        assert np.concatenate([getattr(part, field) for part in parts]).tobytes() == expected.tobytes(), field
+        assert getattr(mixed, field).tobytes() == expected[order].tobytes(), field
+
+
+@pytest.mark.parametrize("n", [2, 4, 6, 12, 18, 30])
+@pytest.mark.parametrize("family", [random_pd, random_spd, psd_rank_half, stewart_trinkle])
+def test_same_bits_for_any_threads_split_and_order(family, n):
+    if family is stewart_trinkle and n % 6:
+        n = 24
+    assert_bits_do_not_depend_on_the_batch(*family(1500, n))
+
+
+@pytest.mark.parametrize("n", [6, 18, 30])
+@pytest.mark.parametrize("family", [psd_rank_half, stewart_trinkle])
+def test_same_bits_for_warm_starts(family, n):
+    """Guesses of which some are right, some nearly, some wrong."""
+    A, q = family(700, n)
+    cold = lcpstar.solve_batch(A, q)
+    rng = np.random.default_rng(2)
+    flips = (rng.random((700, n)) < 0.02) @ (1 << np.arange(n, dtype=np.uint64))
+    assert_bits_do_not_depend_on_the_batch(A, q, cold.alpha ^ flips.astype(np.uint64))
+    assert_bits_do_not_depend_on_the_batch(A, q, cold.z * (rng.random((700, n)) < 0.98))
+
+
+@pytest.mark.parametrize("polish", [True, False])
+@pytest.mark.parametrize("family", [random_pd, psd_rank_half, stewart_trinkle])
+def test_same_bits_in_single_precision(family, polish):
+    for n in (6, 18):
+        A, q = (x.astype(np.float32) for x in family(700, n))
+        assert_bits_do_not_depend_on_the_batch(A, q, polish=polish, tol=1e-9 if polish else 1e-4)
+
+
+@pytest.mark.parametrize("n", [2, 3, 4, 8, 12, 16, 20, 32, 40])
+@pytest.mark.parametrize("family", [random_pd, random_spd, psd_rank_half])
+def test_single_precision_is_solved_and_verified_in_double(family, n):
+    """A float32 stands for the double that equals it: the same contract as for the widened problem."""
+    A, q = (x.astype(np.float32) for x in family(203, n, seed=n))
+    if family is psd_rank_half:  # rounding may leave no solution; a little more diagonal than that gives one
+        A += np.float32(1e-4) * np.eye(n, dtype=np.float32)
+    assert_solved(A, q, lcpstar.solve_batch(A, q))
+    assert_solved(A, q, lcpstar.solve_batch(A, q.astype(float)))
+    rough = lcpstar.solve_batch(A, q, polish=False, tol=1e-4)
+    assert_solved(A, q, rough, tol=1e-4)
+    if 4 <= n <= 32:
+        exact = lcpstar.solve_batch(A.astype(float), q.astype(float))
+        assert rough.residual[q.min(axis=1) < 0].max() > 100 * exact.residual.max()
+
+
+def test_single_precision_never_passes_for_more():
+    """What single precision cannot answer within tol is answered in double precision."""
+    A, q = (x.astype(np.float32) for x in random_pd(500, 8))
+    sols = lcpstar.solve_batch(A, q, polish=False, tol=1e-10)
+    assert_solved(A, q, sols, tol=1e-10)
+
+
+@pytest.mark.parametrize("n", [1, 2, 3])
+def test_tiny_problems_of_every_kind(n):
+    """Small integers: many singular, indefinite and infeasible ones. A solution exists iff some support gives one."""
+    rng = np.random.default_rng(n)
+    A = rng.integers(-2, 3, (3000, n, n)).astype(float)
+    q = rng.integers(-3, 4, (3000, n)).astype(float)
+    sols = lcpstar.solve_batch(A, q)
+    where = sols.success
+    w = (A @ sols.z[..., None])[..., 0] + q
+    assert (np.abs(np.minimum(sols.z, w))[where] <= 1e-9).all()
+    assert (sols.z[where] >= 0).all()
+    regular = np.zeros(3000, bool)
+    for mask in range(2**n):
+        alpha = [i for i in range(n) if mask >> i & 1]
+        B = A[:, alpha][:, :, alpha]
+        good = np.abs(np.linalg.det(B)) > 0.5 if alpha else np.ones(3000, bool)
+        z = np.zeros((3000, n))
+        if alpha:
+            z[np.ix_(good, alpha)] = -np.linalg.solve(B[good], q[good][:, alpha, None])[..., 0]
+        w = (A @ z[..., None])[..., 0] + q
+        regular |= good & (z > -1e-12).all(axis=1) & (w > -1e-12).all(axis=1)
+    assert where[regular].all()
+    assert (sols.method[regular] == "enumerate").mean() > 0.9
+
+
+@pytest.mark.parametrize("n", [2, 8, 18, 30])
+def test_one_matrix_with_many_vectors(n):
+    """The matrix is loaded once: the same bits as many copies of it."""
+    A = random_spd(1, n)[0][0]
+    q = np.random.default_rng(n).standard_normal((333, n))
+    assert_same_bits(lcpstar.solve_batch(A, q), lcpstar.solve_batch(np.stack([A] * 333), q))
+    two = np.stack([A, A + np.eye(n)])
+    each = np.broadcast_to(two[:, None], (2, 333, n, n))
+    assert_same_bits(lcpstar.solve_batch(two[:, None], q), lcpstar.solve_batch(each, np.broadcast_to(q, (2, 333, n))))
+
+
+@pytest.mark.parametrize("n", [6, 12, 18, 30])
+def test_a_right_guess_of_frictional_contacts(n):
+    """A right point takes no pivot; a right support takes none where it is regular without exchanges."""
+    A, q = stewart_trinkle(600, n)
+    cold = lcpstar.solve_batch(A, q)
+    warm = lcpstar.solve_batch(A, q, z0=cold.z)
+    assert_solved(A, q, warm)
+    assert ((warm.method == "newton") & (warm.iterations <= 1)).mean() > 0.9
+    warm = lcpstar.solve_batch(A, q, alpha0=cold.alpha)
+    assert_solved(A, q, warm)
+    assert ((warm.method == "newton") & (warm.iterations == 1)).mean() > 0.3
+
+
+def test_a_point_on_a_singular_support_is_a_guess():
+    """Four legs on the floor: any split of the load is a solution, and the one given is kept."""
+    A = np.ones((50, 4, 4))
+    q = np.full((50, 4), -1.0)
+    z = np.random.default_rng(0).dirichlet(np.ones(4), 50)
+    warm = lcpstar.solve_batch(A, q, z0=z)
+    assert_solved(A, q, warm)
+    assert (warm.iterations == 1).all()
+    assert (warm.method == "newton").all()
 
 
 def test_neighbours_do_not_matter():
@@ -174,6 +287,13 @@ def test_ragged_batches_equal_the_loop():
         one = lcpstar.solve_batch(A, q)
         assert sols.z[here].tobytes() == one.z.tobytes()
         assert sols.alpha[here].tolist() == [bool(int(one.alpha) >> i & 1) for i in range(len(q))]
+    A_flat, q_flat = np.concatenate([A.ravel() for A, _ in problems]), np.concatenate([q for _, q in problems])
+    flat = lcpstar.solve_batch(A_flat, q_flat, offsets=sols.offsets)
+    assert_same_bits(sols, flat)
+    for guess in ({"z0": sols.z}, {"alpha0": sols.alpha}):
+        warm = lcpstar.solve_batch(A_flat, q_flat, offsets=sols.offsets, **guess)
+        assert warm.success.all()
+        assert (warm.iterations == 1).all()
     again = lcpstar.solve_batch(problems, z0=[sols.z[sols.offsets[k] : sols.offsets[k + 1]] for k in range(50)])
     assert again.success.all()
     assert (again.iterations == 1).all()
@@ -256,6 +376,15 @@ def test_the_first_number_that_is_not_finite_is_named(k, value):
         (np.eye(2), np.zeros(2), {"alpha0": 0.5}),
         ([np.eye(2), np.eye(3)], [np.zeros(2)], {}),
         ([np.eye(2), np.eye(3)], [np.zeros(2), np.zeros(2)], {}),
+        ([np.eye(2), np.eye(3)], [np.zeros(2), np.zeros(3)], {"z0": [np.zeros(2), np.zeros(2)]}),
+        (np.zeros(5), np.zeros(3), {"offsets": [0, 1, 2]}),
+        (np.zeros(4), np.zeros(3), {"offsets": [0, 1, 3]}),
+        (np.zeros(5), np.zeros(3), {"offsets": [1, 2, 3]}),
+        (np.zeros(5), np.zeros(3), {"offsets": [0, 3, 1, 3]}),
+        (np.zeros(5), np.zeros(3), {"offsets": [0.0, 1.0, 3.0]}),
+        (np.zeros(5), np.zeros(3), {"offsets": []}),
+        (np.zeros(5), np.zeros(3), {"offsets": [0, 1, 3], "alpha0": [0, 1, 0]}),
+        (np.zeros(5), np.zeros(3), {"offsets": [0, 1, 3], "z0": np.zeros(2)}),
     ],
 )
 def test_broken_promises_are_exceptions(A, q, options):

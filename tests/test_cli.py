@@ -115,3 +115,13 @@ def test_missing_file_and_unknown_method(files):
     assert lcpstar("solve", files / "none.json").returncode == 2
     assert lcpstar("solve", files / "p.json", "--method", "nonsense").returncode == 2
     assert lcpstar("nonsense").returncode == 2
+
+
+def test_every_method_of_the_core_is_listed_and_documented():
+    from lcpstar import _core, solve
+
+    listed = lcpstar("solve", "--help").stdout
+    assert "auto" in _core.METHODS
+    for method in _core.METHODS:
+        assert method in listed
+        assert f'"{method}"' in solve.__doc__

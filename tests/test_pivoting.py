@@ -161,21 +161,57 @@ GOLDEN = {
     ("murty", 40): (2, 2, 1),
     ("fathi", 4): (6, 4, 1),
     ("fathi", 20): (18, 4, 1),
-    ("fathi", 60): (29, 4, 1),
+    ("fathi", 60): (1, 4, 1),
     ("csizmadia", 4): (5, 5, 4),
     ("csizmadia", 32): (64, 33, 32),
     ("csizmadia", 60): (120, 144, 97),
     ("morris", 5): (6, 6, 13),
     ("morris", 15): (26, 16, 113),
-    ("morris", 31): (1, 32, 481),
+    ("morris", 31): (56, 32, 481),
     ("box_stack", 1): (3, 4, 3),
     ("box_stack", 3): (7, 10, 9),
-    ("box_stack", 10): (21, 31, 30),
+    ("box_stack", 10): (24, 31, 30),
     ("degenerate", 4): (2, 2, 1),
     ("degenerate", 16): (4, 4, 3),
-    ("degenerate", 30): (9, 9, 36),
+    ("degenerate", 30): (11, 9, 36),
+    ("murty", 8): (26, 2, 1),
+    ("murty", 60): (4, 749, 1),
+    ("fathi", 40): (1, 4, 1),
+    ("csizmadia", 16): (17, 17, 16),
+    ("morris", 59): (118, 60, 2353),
+    ("all_ties", 4): (3, 3, 6),
+    ("all_ties", 15): (26, 16, 113),
+    ("all_ties", 32): (61, 17, 496),
+    ("all_ties", 60): (111, 31, 2382),
 }
-FAMILIES = (murty, fathi, csizmadia, morris, box_stack, degenerate)
+
+
+def all_ties(n):
+    """Kostreva's first example for any n: q = -e, equal row sums, so that every row ties in the first ratio test."""
+    return np.eye(n) + 2.0 * np.eye(n, k=1) + 2.0 * np.eye(n, k=1 - n), -np.ones(n)
+
+
+FAMILIES = (murty, fathi, csizmadia, morris, box_stack, degenerate, all_ties)
+
+
+def test_kostreva_1_cycles_without_careful_ties():
+    """[Kos79], the first example, as in QuantEcon.py's tests of `lcp_lemke`."""
+    A, q = np.array([[1.0, 2, 0], [0, 1, 2], [2, 0, 1]]), -np.ones(3)
+    solution = lcpstar.solve(A, q, method="lemke")
+    assert_solves(A, q, solution)
+    assert solution.z == pytest.approx([1 / 3] * 3)
+    assert solution.iterations == 4
+
+
+def test_kostreva_2_cycles_without_lexico():
+    """[Kos79], the second example: with careful ties a ray, and no solution at all."""
+    A, q = np.array([[1.0, -1, 3], [2, -1, 3], [-1, -2, 0]]), -np.ones(3)
+    one_path = lcpstar.solve(A, q, method="lemke", options=lcpstar.LemkeOptions(restarts=0))
+    assert one_path.iterations == 1
+    solution = lcpstar.solve(A, q, certify="exact")
+    assert solution.status == "infeasible"
+    assert solution.certificate.exact
+    assert (solution.z >= 0).all()
 
 
 @pytest.mark.parametrize("case", GOLDEN, ids=lambda case: f"{case[0]}-{case[1]}")

@@ -94,10 +94,7 @@ def test_parameters_out_of_range(name, value):
         lcpstar.potential_reduction(PAPER_A, PAPER_Q, **{name: value})
 
 
-@pytest.mark.parametrize(
-    ("A", "q"),
-    [([[-1]], [-1]), ([[1, -1], [-1, 1]], [-1, 0]), ([[0, 1], [-1, 0]], [0, 0])],
-)
+@pytest.mark.parametrize(("A", "q"), [([[-1]], [-1]), ([[1, -1], [-1, 1]], [-1, 0])])
 def test_no_strictly_feasible_point_is_a_status(A, q):
     run = lcpstar.potential_reduction(A, q)
     assert run.status == "numerical_breakdown"

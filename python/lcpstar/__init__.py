@@ -29,7 +29,7 @@ from .solve import ppt, solve
 from .verify import Report, verify
 
 if TYPE_CHECKING:  # loaded on first use, so that a program which only solves does not pay for the theory
-    from . import classes
+    from . import classes, scenes
     from .classes import (
         Classification,
         Verdict,
@@ -110,6 +110,7 @@ __all__ = [
     "NewtonOptions",
     "InteriorPointOptions",
     "classes",
+    "scenes",
     "classify",
     "explore",
     "game_value",
@@ -166,10 +167,12 @@ __all__ = [
 
 
 def __getattr__(name: str) -> Any:
-    """Load the classes and what builds on them when one of their names is first asked for."""
+    """Load the classes and what builds on them, and scenes, when one of their names is first asked for."""
     if name not in __all__:
         raise AttributeError(f"module 'lcpstar' has no attribute {name!r}")
     from importlib import import_module
 
+    if name == "scenes":
+        return import_module(".scenes", __name__)
     module = import_module(".exploring" if name == "explore" else ".classes", __name__)
     return module if name == "classes" else getattr(module, name)

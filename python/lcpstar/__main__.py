@@ -8,30 +8,14 @@ import sys
 from typing import Any
 
 from . import __version__
+from ._core import METHODS
+from .bench.cli import add_bench_parser
 from .classes import add_classify_parser
 from .errors import FileFormatError, LCPError
 from .exploring import add_explore_parser
 from .files import read_problem
+from .plotting import add_plot_parser
 from .solve import solve
-
-METHODS = (
-    "auto",
-    "lemke",
-    "lemke_howson",
-    "principal_pivoting",
-    "block_pivoting",
-    "chandrasekaran",
-    "enumerate",
-    "bilinear",
-    "interior_point",
-    "potential_reduction",
-    "newton",
-    "pgs",
-    "pgs_sm",
-    "nncg",
-    "apgd",
-    "admm",
-)
 
 
 def main(argv: list[str] | None = None) -> int:
@@ -42,17 +26,25 @@ def main(argv: list[str] | None = None) -> int:
     _add_solve(commands)
     add_classify_parser(commands)
     add_explore_parser(commands)
+    add_bench_parser(commands)
+    add_plot_parser(commands)
     paper = commands.add_parser("paper", help="recompute the paper: its example, Table 1, and every claim")
     paper.set_defaults(run=_paper)
     arguments = parser.parse_args(argv)
     try:
         return int(arguments.run(arguments))
     except LCPError as error:
-        print(f"lcpstar: {error}", file=sys.stderr)
+        print(f"lcpstar: {_one_line(str(error))}", file=sys.stderr)
         return 2
     except KeyboardInterrupt:
         print("lcpstar: interrupted", file=sys.stderr)
         return 130
+
+
+def _one_line(text: str, longest: int = 400) -> str:
+    """What a file's name or content put into a message cannot start a line, move the cursor or fill the screen."""
+    line = " ".join("".join(c if c.isprintable() else " " for c in text).split())
+    return line if len(line) <= longest else line[: longest - 3] + "..."
 
 
 def _add_solve(commands: Any) -> None:

@@ -9,6 +9,7 @@ from .options import MethodOptions, PotentialReductionOptions
 from .result import Certificate, Ray, Status
 
 __all__ = [
+    "METHODS",
     "__version__",
     "accuracy",
     "accuracy_sparse",
@@ -27,6 +28,7 @@ __all__ = [
     "solve_sparse",
 ]
 __version__: str
+METHODS: tuple[str, ...]
 
 @final
 class Solution:
@@ -64,8 +66,8 @@ class Solution:
     def trace(self) -> Any: ...
 
 def solve(
-    a: Matrix,
-    q: Vector,
+    a: object,
+    q: object,
     method_name: str,
     tol: float,
     max_iterations: int | None,
@@ -73,7 +75,7 @@ def solve(
     z0: Vector | None,
     certify: str,
     options: MethodOptions | None,
-) -> Solution: ...
+) -> Solution | None: ...
 def ppt(a: Matrix, alpha: Sequence[int], q: Vector | None) -> tuple[Matrix, Vector]: ...
 def potential_reduction(
     a: Matrix,
@@ -157,11 +159,13 @@ def solve_sparse(
     max_iterations: int | None,
     time_limit: float | None,
     z0: Vector | None,
+    certify: str,
     options: MethodOptions | None,
 ) -> Solution: ...
 def solve_batch(
-    a: NDArray[np.float64],
-    q: NDArray[np.float64],
+    n: int,
+    a: NDArray[np.float64] | NDArray[np.float32],
+    q: NDArray[np.float64] | NDArray[np.float32],
     count: int,
     a_map: NDArray[np.uintp] | None,
     q_map: NDArray[np.uintp] | None,
@@ -169,6 +173,7 @@ def solve_batch(
     tol: float,
     threads: int,
     guess: NDArray[np.uint64] | NDArray[np.bool_] | NDArray[np.float64] | None,
+    polish: bool,
 ) -> tuple[
     NDArray[np.float64],
     NDArray[np.float64],

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -19,6 +19,7 @@ _STATUS = np.array(list(Status), dtype=object)
 _METHODS = np.array(_core.batch_methods(), dtype=object)
 
 Floats = NDArray[np.float64]
+Reals = NDArray[np.float64] | NDArray[np.float32]
 Guess = NDArray[np.uint64] | NDArray[np.bool_] | NDArray[np.float64]
 
 
@@ -79,6 +80,8 @@ def solve_batch(
     threads: int | None = None,
     z0: ArrayLike | Sequence[Any] | None = None,
     alpha0: ArrayLike | None = None,
+    offsets: ArrayLike | None = None,
+    polish: bool = True,
 ) -> BatchSolution:
     """Solve many problems LCP(q, A) in one call: for each, find z with `w = A z + q >= 0`, `z >= 0`, `z'w = 0`.
 
@@ -87,7 +90,8 @@ def solve_batch(
     A : (..., n, n) array_like, or a list of square matrices, or a list of pairs (A, q)
     q : (..., n) array_like, or a list of vectors; None for a list of pairs
         Leading axes broadcast as in NumPy: one A with many q, many A with one q, or both. C-contiguous float64 arrays
-        are not copied. Lists may mix orders ("ragged"); the results are then flat, see `BatchSolution.offsets`.
+        and float32 arrays are not copied. Lists may mix orders ("ragged"), or `offsets` says where the problems of flat
+        arrays are; the results are then flat, see `BatchSolution.offsets`.
     method : str
         "auto": kernels for small problems (below), then what `solve` does. Any other name as in `solve`, for all.
     tol : float in (0, 1)
@@ -99,6 +103,13 @@ def solve_batch(
         Guesses, e.g. the last frame's z. Only the support counts. A right one costs one factorisation and no pivot.
     alpha0 : (...) unsigned integers (bit masks, n <= 64) or (..., n) booleans, optional
         Guessed supports, e.g. `BatchSolution.alpha` of the last frame. Not together with z0.
+    offsets : (k + 1,) integers, optional
+        Problems of mixed orders in flat arrays: problem i has `n = offsets[i + 1] - offsets[i]`, the entries
+        `offsets[i]:offsets[i + 1]` of q (and of z0, and of alpha0 as booleans), and the next n * n entries of A.
+    polish : bool
+        For float32 A and q only. The supports are found in single precision, twice as many problems side by side; True
+        computes z on them in double precision, False takes the single-precision z where it is good enough for `tol`
+        (1e-4, say). The residuals are those of the given numbers, computed in double precision, in both cases.
 
     Returns
     -------
@@ -112,11 +123,11 @@ def solve_batch(
 
     Notes
     -----
-    Up to n = 20 eight problems share the registers of one core: Newton's method on min(z, w), which is block principal
-    pivoting, for matrices with a positive diagonal, then Lemke's method for what that leaves; up to n = 192 Lemke's
-    method on a condensed tableau; then the portfolio of `solve`. Every answer is verified from the given numbers with
-    room for rounding; what fails is handed on, never dropped. Nothing is allocated per problem before the last stage.
-    The interpreter is released. [CPS92] secs. 4.4, 5.8.
+    Up to n = 32 eight or sixteen problems share the registers of one core: all supports by minors (n <= 3), Newton's
+    method on min(z, w), which is block principal pivoting, for matrices with a positive diagonal, then Lemke's method
+    (n <= 24) for what that leaves; up to n = 192 Lemke's method on a condensed tableau; then the portfolio of `solve`.
+    Every answer is verified from the given numbers with room for rounding; what fails is handed on, never dropped.
+    Nothing is allocated per problem before the last stage. The interpreter is released. [CPS92] secs. 4.4, 5.8.
 
     Examples
     --------
@@ -129,13 +140,33 @@ def solve_batch(
         raise OptionError(f"threads must be positive, got {threads}")
     if z0 is not None and alpha0 is not None:
         raise OptionError("z0 and alpha0 are both guesses of the support: give one of them")
+    options = _Options(method, tol, count, polish)
     if q is None:
-        if not isinstance(A, (list, tuple)) or any(len(pair) != 2 for pair in A):
+        if not isinstance(A, (list, tuple)) or not all(isinstance(p, (list, tuple)) and len(p) == 2 for p in A):
             raise ShapeError("without q, A must be a list of pairs (A, q)")
-        return _ragged([pair[0] for pair in A], [pair[1] for pair in A], method, tol, count, z0, alpha0)
-    if isinstance(A, (list, tuple)) and isinstance(q, (list, tuple)) and len({np.shape(v) for v in q}) > 1:
-        return _ragged(A, q, method, tol, count, z0, alpha0)
-    return _uniform(as_real("A", A), as_real("q", q), method, tol, count, z0, alpha0)
+        return _ragged([pair[0] for pair in A], [pair[1] for pair in A], z0, alpha0, options)
+    if offsets is not None:
+        return _flat(_real("A", A), _real("q", q), offsets, z0, alpha0, options)
+    if isinstance(A, (list, tuple)) and isinstance(q, (list, tuple)) and len({_shape(v) for v in q}) > 1:
+        return _ragged(A, q, z0, alpha0, options)
+    return _uniform(_real("A", A), _real("q", q), z0, alpha0, options)
+
+
+@dataclass(frozen=True)
+class _Options:
+    """What every problem of a batch shares."""
+
+    method: str
+    tol: float
+    threads: int
+    polish: bool
+
+
+def _real(name: str, value: Any) -> Reals:
+    """`value` as an array of doubles, or of floats if that is what it holds."""
+    if type(value) is np.ndarray and value.dtype == np.float32 and value.dtype.isnative:
+        return value
+    return as_real(name, value)
 
 
 def solve_gufunc(A: ArrayLike, q: ArrayLike, tol: float = 1e-9, threads: int | None = 1) -> Floats:
@@ -170,9 +201,15 @@ def solve_gufunc(A: ArrayLike, q: ArrayLike, tol: float = 1e-9, threads: int | N
 solve_gufunc.signature = "(n,n),(n)->(n)"  # type: ignore[attr-defined]
 
 
-def _uniform(
-    A: Floats, q: Floats, method: str, tol: float, threads: int, z0: Any, alpha0: ArrayLike | None
-) -> BatchSolution:
+def _shape(value: ArrayLike) -> tuple[int, ...] | None:
+    """The shape of an array or of nested lists; None where they are ragged."""
+    try:
+        return np.shape(value)
+    except ValueError:
+        return None
+
+
+def _uniform(A: Reals, q: Reals, z0: Any, alpha0: ArrayLike | None, options: _Options) -> BatchSolution:
     if A.ndim < 2 or A.shape[-1] != A.shape[-2]:
         raise ShapeError(f"A must have shape (..., n, n), got {A.shape}")
     n = A.shape[-1]
@@ -184,15 +221,17 @@ def _uniform(
         raise ShapeError(f"leading axes of A {A.shape} and q {q.shape} do not broadcast") from error
     count = int(np.prod(lead, dtype=np.intp))
     out = _core.solve_batch(
-        np.ascontiguousarray(A).reshape(-1, n, n) if A.size else np.zeros((count, n, n)),
-        np.ascontiguousarray(q).reshape(-1, n) if q.size else np.zeros((count, n)),
+        n,
+        _blocks(A, count, n * n),
+        _blocks(q, count, n),
         count,
         _map(A.shape[:-2], lead),
         _map(q.shape[:-1], lead),
-        method,
-        tol,
-        threads,
+        options.method,
+        options.tol,
+        options.threads,
         _guess(z0, alpha0, lead, n),
+        options.polish,
     )
     z, w, status, method_code, iterations, residual, natural, alpha = out
     return BatchSolution(
@@ -205,6 +244,13 @@ def _uniform(
         natural.reshape(lead),
         alpha.reshape(lead) if alpha.ndim == 1 else alpha.reshape(*lead, n),
     )
+
+
+def _blocks(array: Reals, count: int, length: int) -> Reals:
+    """One block of `length` numbers per row, contiguous."""
+    if not array.size:
+        return np.zeros((count, length))
+    return cast("Reals", np.ascontiguousarray(array).reshape(-1, length))
 
 
 def _map(own: tuple[int, ...], lead: tuple[int, ...]) -> NDArray[np.uintp] | None:
@@ -237,22 +283,52 @@ def _broadcast(name: str, array: NDArray[Any], shape: tuple[int, ...]) -> NDArra
         raise ShapeError(f"{name} must broadcast to shape {shape}, got {array.shape}") from error
 
 
-def _ragged(
-    A: Sequence[Any], q: Sequence[Any], method: str, tol: float, threads: int, z0: Any, alpha0: ArrayLike | None
-) -> BatchSolution:
-    """Problems of one order are solved together; results go to their places in flat arrays."""
+def _ragged(A: Sequence[Any], q: Sequence[Any], z0: Any, alpha0: ArrayLike | None, options: _Options) -> BatchSolution:
+    """Lists of problems, put into flat arrays."""
     if len(A) != len(q):
         raise ShapeError(f"A and q must have the same length, got {len(A)} matrices and {len(q)} vectors")
     if alpha0 is not None:
-        raise OptionError("alpha0 needs problems of one order; give z0 as a list of vectors")
+        raise OptionError("alpha0 needs problems of one order or offsets; give z0 as a list of vectors")
     matrices = [as_matrix(f"A[{k}]", matrix) for k, matrix in enumerate(A)]
     vectors = [as_vector(f"q[{k}]", vector) for k, vector in enumerate(q)]
     for k, (matrix, vector) in enumerate(zip(matrices, vectors, strict=True)):
         if len(matrix) != len(vector):
             raise ShapeError(f"q[{k}] must have length {len(matrix)}, got {len(vector)}")
-    orders = np.array([len(vector) for vector in vectors], dtype=np.intp)
-    offsets = np.concatenate([[0], np.cumsum(orders)]).astype(np.intp)
-    count, total = len(orders), int(offsets[-1])
+    offsets = np.cumsum([0, *map(len, vectors)])
+    guess = None
+    if z0 is not None:
+        points = [as_vector(f"z0[{k}]", point) for k, point in enumerate(z0)]
+        if [len(point) for point in points] != [len(vector) for vector in vectors]:
+            raise ShapeError("z0 must hold one vector for each problem, of its order")
+        guess = _join(points)
+    return _flat(_join([matrix.ravel() for matrix in matrices]), _join(vectors), offsets, guess, None, options)
+
+
+def _join(vectors: list[Floats]) -> Floats:
+    return np.concatenate([np.zeros(0), *vectors])
+
+
+def _flat(
+    A: Reals, q: Reals, offsets: ArrayLike, z0: Any, alpha0: ArrayLike | None, options: _Options
+) -> BatchSolution:
+    """Problems of one order are solved together; results go to their places in flat arrays."""
+    starts = np.asarray(offsets)
+    if starts.ndim != 1 or len(starts) == 0 or starts.dtype.kind not in "iu":
+        raise ShapeError(f"offsets must be a vector of integers, got shape {starts.shape} and dtype {starts.dtype}")
+    starts = starts.astype(np.intp, copy=False)
+    orders = np.diff(starts)
+    if starts[0] != 0 or (orders < 0).any():
+        raise ShapeError("offsets must start at 0 and not decrease")
+    blocks = np.concatenate([[0], np.cumsum(orders * orders)])
+    if q.shape != (starts[-1],):
+        raise ShapeError(f"q must have shape ({starts[-1]},) to fit offsets, got {q.shape}")
+    if A.shape != (blocks[-1],):
+        raise ShapeError(f"A must have shape ({blocks[-1]},) to fit offsets, got {A.shape}")
+    point = None if z0 is None else _broadcast("z0", as_real("z0", z0), q.shape)
+    support = None if alpha0 is None else np.asarray(alpha0)
+    if support is not None and (support.dtype != np.bool_ or support.shape != q.shape):
+        raise ShapeError(f"alpha0 must be booleans of shape {q.shape}, got {support.dtype} {support.shape}")
+    count, total = len(orders), int(starts[-1])
     sols = BatchSolution(
         np.zeros(total),
         np.zeros(total),
@@ -262,21 +338,18 @@ def _ragged(
         np.zeros(count),
         np.zeros(count),
         np.zeros(total, np.bool_),
-        offsets,
+        starts,
     )
     for n in np.unique(orders):
         members = np.flatnonzero(orders == n)
-        guess = None if z0 is None else np.array([as_vector(f"z0[{k}]", z0[k]) for k in members]).reshape(-1, n)
+        places = starts[members][:, None] + np.arange(n)
         part = _uniform(
-            np.array([matrices[k] for k in members]).reshape(-1, n, n),
-            np.array([vectors[k] for k in members]).reshape(-1, n),
-            method,
-            tol,
-            threads,
-            guess,
-            None,
+            A[blocks[members][:, None] + np.arange(n * n)].reshape(-1, n, n),
+            q[places],
+            None if point is None else point[places],
+            None if support is None else support[places],
+            options,
         )
-        places = offsets[members][:, None] + np.arange(n)
         sols.z[places], sols.w[places] = part.z, part.w
         sols.alpha[places] = part.alpha if part.alpha.ndim == 2 else _flags(part.alpha, int(n))
         for field in ("status_code", "method_code", "iterations", "residual", "natural_residual"):

@@ -47,6 +47,10 @@ class StartError(LCPError, ValueError):
     """A starting point does not satisfy what the method needs."""
 
 
+class MissingPackageError(LCPError, ImportError):
+    """An optional package is not installed; the message holds the command that installs it."""
+
+
 class TooLargeError(LCPError, ValueError):
     """The matrix is larger than an exponential method takes."""
 

@@ -17,6 +17,7 @@ from .classes.exact import Rows, read_matrix
 from .classes.registry import check
 from .classes.verdict import Verdict
 from .errors import OptionError, OptionTypeError
+from .files import read_json
 from .formula import is_invariant, parse_claim, symbols
 
 # A larger space is sampled unless `samples` says otherwise.
@@ -189,14 +190,14 @@ def _begin(
     if isinstance(resume, Exploration):
         return resume
     if resume is not None:
-        state = dict(resume)
         try:
+            state = dict(resume)
             for name in ("n", "entries", "position"):
                 state[name] = tuple(state[name])
             if state["counterexample"] is not None:
                 state["counterexample"] = read_matrix(state["counterexample"])
             return Exploration(**state)
-        except (KeyError, TypeError) as error:
+        except (KeyError, TypeError, ValueError) as error:
             raise OptionError(f"resume must be a state of an exploration: {error}") from None
     orders = (n,) if isinstance(n, int) else tuple(n)
     values = tuple(sorted(set(entries), key=lambda v: (abs(v), v < 0)))
@@ -276,7 +277,7 @@ def add_explore_parser(subparsers: Any) -> argparse.ArgumentParser:
 
 def run_explore(args: argparse.Namespace) -> int:
     """Exit status 0: no counterexample in a finished scan; 1: a counterexample, or not finished."""
-    resume = json.loads(args.state.read_text()) if args.state and args.state.exists() else None
+    resume = read_json(args.state) if args.state and args.state.exists() else None
     found = explore(
         args.claim,
         args.n,

@@ -1,6 +1,6 @@
 """Problem families for tests, benchmarks and teaching: each returns `(A, q)`, reproducible by its seed.
 
-Import it by name: `from lcpstar import problems`.
+Import it by name: `from lcpstar import problems`. Contact problems of bodies that stand, swing or fall: `scenes.lcp`.
 """
 
 from __future__ import annotations
@@ -8,6 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from .coerce import Matrix, Vector
+from .scenes.friction import with_sliding_speeds
 
 Problem = tuple[Matrix, Vector]
 
@@ -158,14 +159,8 @@ def stewart_trinkle(contacts: int, seed: int = 0, facets: int = 4, friction: flo
             if j is not None:
                 row[6 * j : 6 * j + 6] = -np.concatenate([direction, np.cross(above, direction)])
     J = np.vstack([normals, tangents])
-    k = contacts * (facets + 1)
-    n = k + contacts
-    E = np.kron(np.eye(contacts), np.ones((facets, 1)))
-    A = np.zeros((n, n))
-    A[:k, :k] = _delassus(J, np.tile([1.0, 1.0, 1.0, 6.0, 6.0, 6.0], bodies))
-    A[contacts:k, k:] = E
-    A[k:, :contacts] = friction * np.eye(contacts)
-    A[k:, contacts:k] = -E.T
+    B = _delassus(J, np.tile([1.0, 1.0, 1.0, 6.0, 6.0, 6.0], bodies))
+    A = with_sliding_speeds(B, contacts, np.arange(contacts), np.full(contacts, friction), facets)
     v = 0.2 * rng.standard_normal(6 * bodies)
     v[2::6] -= 0.0981
     return A, np.concatenate([J @ v, np.zeros(contacts)])

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from numpy import ndarray
 from numpy.typing import ArrayLike
 
 from . import _core
@@ -33,11 +34,13 @@ def solve(
     Parameters
     ----------
     A : (n, n) array_like of real numbers, or a scipy.sparse matrix or array
-        Need not be symmetric. Copied; never modified. A sparse A stays sparse: methods "auto" and "interior_point".
+        Need not be symmetric. Copied; never modified. A sparse A stays sparse: methods "auto",
+        "interior_point" and the approximate ones.
     q : (n,) array_like of real numbers
     method : str
         "auto" (a documented portfolio, see docs/methods.md), "lemke", "lemke_howson", "principal_pivoting",
-        "block_pivoting", "chandrasekaran" (Z-matrices), "enumerate" (n <= 24), "bilinear", "potential_reduction".
+        "block_pivoting", "chandrasekaran" (Z-matrices), "enumerate" (n <= 24), "bilinear", "interior_point",
+        "potential_reduction", and the approximate "newton", "pgs", "pgs_sm", "nncg", "apgd", "admm".
     tol : float in (0, 1)
         Bounds `Solution.residual` of a solved problem: `max|min(z', w')| / max(1, max|z'|)` on the problem
         equilibrated by powers of two, so it does not depend on units.
@@ -46,7 +49,8 @@ def solve(
     time_limit : float, optional
         Seconds; checked once per iteration.
     z0 : (n,) array_like, optional
-        A guess. Its support is tried as it is: right, it costs one factorisation and no pivot.
+        A guess, used by its support. Right, it costs one factorisation and no pivot; nearly right, about one pivot for
+        each wrong index.
     certify : "float" or "exact"
         "exact" proves the answer in rational arithmetic on the given binary numbers.
     options : LemkeOptions or the options class of `method`, optional
@@ -74,24 +78,22 @@ def solve(
     >>> sol.success, sol.z.round(4).tolist()
     (True, [1.3333, 2.3333])
     """
-    sparse = is_sparse(A)
+    sparse = type(A) is not ndarray and is_sparse(A)
     if sparse and method == "auto" and isinstance(options, InteriorPointOptions):
         method = "interior_point"
     if options is not None or max_iterations is not None:
         _check(method, max_iterations, options)
     if sparse:
         return solve_sparse(A, q, method, tol, max_iterations, time_limit, z0, certify, options)
-    return _core.solve(
-        as_matrix("A", A),
-        as_vector("q", q),
-        method,
-        tol,
-        max_iterations,
-        time_limit,
-        None if z0 is None else as_vector("z0", z0),
-        certify,
-        options,
-    )
+    start = None if z0 is None else as_vector("z0", z0)
+    solution = None
+    if type(A) is ndarray and type(q) is ndarray:  # most calls; the core takes them as they are, or says None
+        solution = _core.solve(A, q, method, tol, max_iterations, time_limit, start, certify, options)
+    if solution is None:
+        a, b = as_matrix("A", A), as_vector("q", q)
+        solution = _core.solve(a, b, method, tol, max_iterations, time_limit, start, certify, options)
+    assert solution is not None
+    return solution
 
 
 def _check(method: str, max_iterations: int | None, options: MethodOptions | None) -> None:

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from . import _core
 from ._core import Solution
 from .coerce import Vector, as_vector
-from .errors import DTypeError, ShapeError, UnknownNameError
+from .errors import DTypeError, ShapeError
 from .options import MethodOptions
 
 Rows = tuple[NDArray[np.int64], NDArray[np.int64], Vector, Vector]
@@ -50,9 +50,7 @@ def solve_sparse(
 
     "auto" is the interior point method with sparse factorisations: monotone A (A + A' PSD) is solved or certified
     infeasible. The approximate methods work on A by rows and columns. The residual is that of the problem scaled to
-    `D A D`.
+    `D A D`. `certify="exact"` works on a dense copy and raises TooLargeError for n > 2000.
     """
-    if certify != "float":
-        raise UnknownNameError(f"certify must be float for a sparse A, got {certify!r}")
     guess = None if z0 is None else as_vector("z0", z0)
-    return _core.solve_sparse(*as_rows(A, q), method, tol, max_iterations, time_limit, guess, options)
+    return _core.solve_sparse(*as_rows(A, q), method, tol, max_iterations, time_limit, guess, certify, options)

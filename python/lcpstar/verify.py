@@ -99,7 +99,8 @@ def verify(A: ArrayLike, q: ArrayLike, sol: _Answer, exact: bool = False, tol: f
 
     Notes
     -----
-    "solved" means `z >= 0` and `|min(z, w)|_i <= 10 tol max|q| + 8 eps (|A||z| + |q|)_i` in every row.
+    "solved" means `z >= 0` and, in every row, `|min(z, w)|_i <= 10 tol max|q| + 8 eps m_i` and `|w_i| <= sqrt(tol) m_i`
+    where `z_i > 0`, `w_i >= -sqrt(tol) m_i` elsewhere, `m = |A||z| + |q|`, up to rounding.
     "infeasible" means `y >= 0, A'y <= 0, q'y < 0`, up to rounding unless exact; then no z >= 0 has A z + q >= 0.
     A certificate "not_sufficient" is checked in rational numbers: x_i (A x)_i <= 0 for all i, < 0 for some i (or A').
     A ray must satisfy `w_hat = A z_hat + d z0_hat >= 0`, `z_hat >= 0`, `z_hat != 0`, `z_hat'w_hat = 0`.
@@ -198,9 +199,13 @@ def _solved(problem: _Problem, sol: _Answer, tol: float) -> list[Check]:
     rows = bool(np.all(excess <= 0))
     detail = "" if rows else f"row {worst}: z = {z[worst]:.3g}, w = {w[worst]:.3g}"
     certificate = sol.certificate
+    with np.errstate(over="ignore", invalid="ignore"):
+        off = np.where(z > 0, np.abs(w), np.maximum(-w, 0.0))
+        own = bool(np.all(off <= tol**0.5 * problem.size(z) + problem.rounding(z)))
     return [
         Check("z >= 0", bool(np.all(z >= 0))),
         Check("|min(z, w)| is small in every row", rows, detail),
+        Check("every row holds to its own numbers", own),
         Check("residual <= tol", bool(sol.residual <= tol), f"stated {sol.residual:.3g}"),
         Check("the certificate is of a solution", certificate is None or certificate.kind == "solution"),
     ]
@@ -285,8 +290,10 @@ def _farkas(problem: _Problem, certificate: Any, exact: bool) -> list[Check]:
             Check("exact q'y < 0", value < 0),
         ]
     v = np.asarray(y, dtype=np.float64)
-    value_size = float(np.abs(problem.q) @ np.abs(v))
-    value_float = float(problem.q @ v)
+    size = max(float(np.max(np.abs(problem.q), initial=0.0)), 5e-324)
+    q = np.ldexp(problem.q, -int(np.frexp(size)[1]))  # so that no product of a subnormal q underflows
+    value_size = float(np.abs(q) @ np.abs(v))
+    value_float = float(q @ v)
     return [
         Check("y >= 0", bool(np.all(v >= 0))),
         Check("A'y <= 0 up to rounding", bool(np.all(v @ problem.A <= _SOLVE_TOL * (np.abs(v) @ np.abs(problem.A))))),

@@ -7,58 +7,13 @@ import json
 import pathlib
 import sys
 from fractions import Fraction
+from functools import partial
 from typing import Any
 
-import numpy as np
-
-from ..errors import FileFormatError
+from ..files import read_matrix
+from .exact import read_number
 from .report import classify
 from .witness import Implied
-
-
-def read_matrix_file(path: pathlib.Path) -> Any:
-    """The matrix in a `.json` (an object with "A", or rows; exact strings allowed), `.npz`, `.csv` or `.mtx` file.
-
-    Raises
-    ------
-    FileFormatError
-        The file cannot be read as a matrix.
-    """
-    try:
-        if path.suffix == ".json":
-            data = json.loads(path.read_text())
-            return data["A"] if isinstance(data, dict) else data
-        if path.suffix == ".npz":
-            with np.load(path) as archive:
-                return archive["A"]
-        if path.suffix == ".csv":
-            return [line.split(",") for line in path.read_text().split("\n") if line.strip()]
-        if path.suffix == ".mtx":
-            return _matrix_market(path.read_text())
-    except (OSError, ValueError, KeyError, IndexError) as error:
-        raise FileFormatError(f"{path}: {error}") from None
-    raise FileFormatError(f"{path}: expected .json, .npz, .csv or .mtx")
-
-
-def _matrix_market(text: str) -> list[list[Fraction]]:
-    header, *lines = text.lower().splitlines()
-    words = header.split()
-    if words[:2] != ["%%matrixmarket", "matrix"] or words[3] not in ("real", "integer"):
-        raise ValueError("expected a real or integer MatrixMarket matrix")
-    body = [line.split() for line in lines if line.strip() and not line.startswith("%")]
-    rows, columns = int(body[0][0]), int(body[0][1])
-    table = [[Fraction(0)] * columns for _ in range(rows)]
-    mirror = {"general": 0, "symmetric": 1, "skew-symmetric": -1}[words[4]]
-    if words[2] == "array":
-        places = [(i, j) for j in range(columns) for i in range(rows) if not mirror or i >= j + (mirror < 0)]
-        values = [(i, j, line[0]) for (i, j), line in zip(places, body[1:], strict=True)]
-    else:
-        values = [(int(i) - 1, int(j) - 1, value) for i, j, value in body[1:]]
-    for i, j, value in values:
-        table[i][j] = Fraction(value)
-        if mirror and i != j:
-            table[j][i] = mirror * table[i][j]
-    return table
 
 
 def add_classify_parser(subparsers: Any) -> argparse.ArgumentParser:
@@ -78,7 +33,7 @@ def add_classify_parser(subparsers: Any) -> argparse.ArgumentParser:
 def run_classify(args: argparse.Namespace) -> int:
     """Exit status 0: every class decided; 1: some are not."""
     report = classify(
-        read_matrix_file(args.file),
+        read_matrix(args.file, partial(read_number, where="an entry")),
         args.classes,
         time_limit=args.time_limit,
         threads=args.threads,

@@ -34,13 +34,26 @@ def read_number(value: object, where: str) -> Fraction:
             raise NotFiniteError(f"{where.split('[')[0]} must be finite, got {where} = {value}")
         return Fraction(*value.as_integer_ratio())
     if isinstance(value, str):
-        try:
-            return Fraction(value.strip())
-        except (ValueError, ZeroDivisionError):
-            raise DTypeError(f"{where} must be a number such as '1/3', got {value!r}") from None
+        return _read_text(value, where)
     if isinstance(value, numbers.Rational):
         return Fraction(int(value.numerator), int(value.denominator))
     raise DTypeError(f"{where} must be a real number, got {value!r} of type {type(value).__name__}")
+
+
+#: Longest number in text, and largest exponent of ten: "1e999999999" is 14 characters and 400 megabytes.
+MAX_DIGITS = 4_000
+
+
+def _read_text(value: str, where: str) -> Fraction:
+    text = value.strip()
+    shown = repr(text if len(text) <= 40 else text[:40] + "...")
+    exponent = text.lower().partition("e")[2]
+    if len(text) > MAX_DIGITS or (exponent.lstrip("+-").isdigit() and abs(int(exponent)) > MAX_DIGITS):
+        raise DTypeError(f"{where} must be a number of at most {MAX_DIGITS} digits, got {shown}")
+    try:
+        return Fraction(text)
+    except (ValueError, ZeroDivisionError):
+        raise DTypeError(f"{where} must be a number such as '1/3', got {shown}") from None
 
 
 def read_matrix(A: object, name: str = "A") -> Rows:

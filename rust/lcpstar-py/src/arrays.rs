@@ -1,7 +1,9 @@
 //! NumPy arrays in: each problem is copied once into memory of its own, and only the copy is trusted.
 
 use lcpstar::{Lcp, LcpError};
-use numpy::{PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
+use numpy::npyffi::_PyArray_GET_ITEM_DATA;
+use numpy::npyffi::flags::NPY_ARRAY_WRITEABLE;
+use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 
 use crate::errors::to_python;
@@ -26,6 +28,39 @@ pub fn vector(v: &PyReadonlyArray1<'_, f64>) -> Vec<f64> {
         Ok(slice) => slice.to_vec(),
         Err(_) => v.as_array().iter().copied().collect(),
     }
+}
+
+/// The validated problem from arrays of doubles of the right shapes; `None`: Python has to coerce them first.
+pub fn to_lcp_as_is(py: Python<'_>, a: &Bound<'_, PyAny>, q: &Bound<'_, PyAny>) -> PyResult<Option<Lcp>> {
+    let (Ok(a), Ok(q)) = (a.cast::<PyArray2<f64>>(), q.cast::<PyArray1<f64>>()) else { return Ok(None) };
+    let n = a.shape()[0];
+    if a.shape()[1] != n {
+        return Ok(None);
+    }
+    let copies = if a.is_c_contiguous() {
+        // SAFETY: the slices live for the length of a copy, during which this thread holds the interpreter. The borrow
+        // checks of `readonly` would cost more than a small problem.
+        #[allow(unsafe_code, reason = "see above")]
+        unsafe { a.as_slice().and_then(|a| q.as_slice().map(|q| (a.to_vec(), q.to_vec()))) }.ok()
+    } else {
+        None
+    };
+    let (a, q) = match copies {
+        Some(copies) => copies,
+        None => (square(py, "A", &a.readonly())?.1, vector(&q.readonly())),
+    };
+    Lcp::new(n, a, q).map(Some).map_err(|e| to_python(py, &e))
+}
+
+/// A read-only array: results are frozen, so their arrays are, too.
+pub fn frozen_array(py: Python<'_>, values: &[f64]) -> Py<PyArray1<f64>> {
+    let array = PyArray1::from_slice(py, values);
+    // SAFETY: nobody else has seen the array yet.
+    #[allow(unsafe_code, reason = "see above; the method of the array would cost more than the array")]
+    unsafe {
+        (*_PyArray_GET_ITEM_DATA(array.as_array_ptr())).flags &= !NPY_ARRAY_WRITEABLE;
+    }
+    array.unbind()
 }
 
 /// The validated problem.

@@ -1,10 +1,8 @@
 //! `solve_batch`: borrow the arrays, leave the interpreter, hand back arrays.
 
-use lcpstar::batch::{self, Alpha, Guess, METHODS, Output, Problems, Settings, Source};
+use lcpstar::batch::{self, Alpha, Guess, METHODS, Numbers, Output, Problems, Settings, Source};
 use lcpstar::driver::Method;
-use numpy::{
-    PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3, PyUntypedArrayMethods,
-};
+use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 
 use crate::errors::{Signals, enter_core, to_python};
@@ -15,6 +13,29 @@ pub enum GuessArray<'py> {
     Masks(PyReadonlyArray1<'py, u64>),
     Flags(PyReadonlyArray2<'py, bool>),
     Points(PyReadonlyArray2<'py, f64>),
+}
+
+/// A block per problem, row-major, in one of two precisions.
+#[derive(FromPyObject)]
+pub enum Blocks<'py> {
+    Double(PyReadonlyArray2<'py, f64>),
+    Single(PyReadonlyArray2<'py, f32>),
+}
+
+impl Blocks<'_> {
+    fn numbers(&self) -> PyResult<Numbers<'_>> {
+        Ok(match self {
+            Self::Double(x) => Numbers::Double(x.as_slice()?),
+            Self::Single(x) => Numbers::Single(x.as_slice()?),
+        })
+    }
+
+    fn count(&self) -> usize {
+        match self {
+            Self::Double(x) => x.shape()[0],
+            Self::Single(x) => x.shape()[0],
+        }
+    }
 }
 
 /// Which block of an array belongs to problem k.
@@ -38,13 +59,14 @@ type Results<'py> = (
     Bound<'py, PyAny>,
 );
 
-/// Solves `count` problems; arguments already coerced to C-contiguous arrays by `lcpstar.solve_batch`.
+/// Solves `count` problems of order `n`; `a` and `q` hold one block per row, `n * n` and `n` numbers, C-contiguous.
 #[pyfunction]
-#[pyo3(signature = (a, q, count, a_map, q_map, method, tol, threads, guess))]
+#[pyo3(signature = (n, a, q, count, a_map, q_map, method, tol, threads, guess, polish))]
 pub fn solve_batch<'py>(
     py: Python<'py>,
-    a: PyReadonlyArray3<'py, f64>,
-    q: PyReadonlyArray2<'py, f64>,
+    n: usize,
+    a: Blocks<'py>,
+    q: Blocks<'py>,
     count: usize,
     a_map: Option<PyReadonlyArray1<'py, usize>>,
     q_map: Option<PyReadonlyArray1<'py, usize>>,
@@ -52,15 +74,15 @@ pub fn solve_batch<'py>(
     tol: f64,
     threads: usize,
     guess: Option<GuessArray<'py>>,
+    polish: bool,
 ) -> PyResult<Results<'py>> {
-    let n = q.shape()[1];
     let problems = Problems {
         n,
         count,
-        a: a.as_slice()?,
-        a_source: source(a_map.as_ref(), a.shape()[0], count)?,
-        q: q.as_slice()?,
-        q_source: source(q_map.as_ref(), q.shape()[0], count)?,
+        a: a.numbers()?,
+        a_source: source(a_map.as_ref(), a.count(), count)?,
+        q: q.numbers()?,
+        q_source: source(q_map.as_ref(), q.count(), count)?,
     };
     let guess = match &guess {
         None => Guess::None,
@@ -93,7 +115,7 @@ pub fn solve_batch<'py>(
         };
         let interrupted = || signals.interrupted();
         let general = Method::from_name(method).map_err(|e| to_python(py, &e))?;
-        let settings = Settings { method: &general, tol, threads, guess, interrupted: Some(&interrupted) };
+        let settings = Settings { method: &general, tol, threads, guess, polish, interrupted: Some(&interrupted) };
         enter_core(py, || batch::solve_batch(&problems, &settings, output))?;
     }
     signals.raise()?;

@@ -1,6 +1,7 @@
 //! Python bindings of lcpstar: convert, leave the interpreter, wrap. No algorithm, no tolerance, no default.
 
 use pyo3::prelude::*;
+use pyo3::types::PyTuple;
 
 mod accuracy;
 mod approximate;
@@ -41,6 +42,9 @@ mod _core {
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        let close = pyo3::wrap_pyfunction!(crate::errors::close, module)?;
+        module.py().import("atexit")?.call_method1("register", (close,))?;
+        module.add("METHODS", PyTuple::new(module.py(), lcpstar::driver::Method::NAMES)?)?;
         module.add("__version__", env!("CARGO_PKG_VERSION"))
     }
 }

@@ -7,6 +7,8 @@ use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::PyDict;
 
+use crate::arrays::frozen_array;
+
 /// The verified result of one solve; see the stub file for the fields.
 #[pyclass(name = "Solution", module = "lcpstar", frozen, weakref)]
 pub struct PySolution {
@@ -47,13 +49,6 @@ impl PySolution {
     }
 }
 
-/// A read-only array: results are frozen, so their arrays are, too.
-fn frozen_array(py: Python<'_>, values: &[f64]) -> PyResult<Py<PyArray1<f64>>> {
-    let array = PyArray1::from_slice(py, values);
-    array.call_method1("setflags", (false,))?;
-    Ok(array.unbind())
-}
-
 /// A class of `lcpstar.result` called with keyword arguments.
 fn result_class<'py>(py: Python<'py>, name: &str, fields: &Bound<'py, PyDict>) -> PyResult<Py<PyAny>> {
     Ok(py.import("lcpstar.result")?.getattr(name)?.call((), Some(fields))?.unbind())
@@ -77,7 +72,7 @@ fn certificate_object(py: Python<'_>, certificate: &Certificate) -> PyResult<Py<
         }
         Certificate::Infeasible { y, exact: None } => {
             fields.set_item("kind", "infeasible")?;
-            fields.set_item("y", frozen_array(py, y)?)?;
+            fields.set_item("y", frozen_array(py, y))?;
         }
         Certificate::Ray { z_hat } => {
             fields.set_item("kind", "ray")?;
@@ -101,7 +96,7 @@ fn fractions<'py>(py: Python<'py>, v: &RationalVec) -> PyResult<Bound<'py, PyAny
 fn ray_object(py: Python<'_>, ray: &Ray) -> PyResult<Py<PyAny>> {
     let fields = PyDict::new(py);
     for (name, vector) in [("z", &ray.z), ("z_hat", &ray.z_hat), ("w_hat", &ray.w_hat), ("d", &ray.d)] {
-        fields.set_item(name, frozen_array(py, vector)?)?;
+        fields.set_item(name, frozen_array(py, vector))?;
     }
     fields.set_item("z0", ray.z0)?;
     fields.set_item("z0_hat", ray.z0_hat)?;
@@ -111,13 +106,13 @@ fn ray_object(py: Python<'_>, ray: &Ray) -> PyResult<Py<PyAny>> {
 #[pymethods]
 impl PySolution {
     #[getter]
-    fn z(&self, py: Python<'_>) -> PyResult<Py<PyArray1<f64>>> {
-        Ok(self.z.get_or_try_init(py, || frozen_array(py, &self.inner.z))?.clone_ref(py))
+    fn z(&self, py: Python<'_>) -> Py<PyArray1<f64>> {
+        self.z.get_or_init(py, || frozen_array(py, &self.inner.z)).clone_ref(py)
     }
 
     #[getter]
-    fn w(&self, py: Python<'_>) -> PyResult<Py<PyArray1<f64>>> {
-        Ok(self.w.get_or_try_init(py, || frozen_array(py, &self.inner.w))?.clone_ref(py))
+    fn w(&self, py: Python<'_>) -> Py<PyArray1<f64>> {
+        self.w.get_or_init(py, || frozen_array(py, &self.inner.w)).clone_ref(py)
     }
 
     #[getter]

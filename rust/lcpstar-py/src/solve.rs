@@ -7,8 +7,8 @@ use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArra
 use pyo3::prelude::*;
 use std::time::{Duration, Instant};
 
-use crate::arrays::{index_set, square, to_lcp, vector};
-use crate::errors::{Signals, enter_core, to_python};
+use crate::arrays::{index_set, square, to_lcp_as_is, vector};
+use crate::errors::{Signals, enter_core, enter_core_briefly, to_python};
 use crate::solution::PySolution;
 
 /// Attributes of `lcpstar.LemkeOptions`; `None` means the core's default.
@@ -60,7 +60,7 @@ pub fn method(py: Python<'_>, name: &str, options: Option<&Bound<'_, PyAny>>, n:
             *starts = given.starts.unwrap_or(*starts);
             *seed = given.seed.unwrap_or(*seed);
         }
-        Method::BlockPivoting(block_pivoting::Settings { patience, alpha }) => {
+        Method::BlockPivoting(block_pivoting::Settings { patience, alpha, .. }) => {
             let given: BlockPivotingOptions = options.extract()?;
             *patience = given.patience.unwrap_or(*patience);
             *alpha = given.alpha.map(|alpha| index_set(py, "alpha", &alpha, n)).transpose()?;
@@ -72,13 +72,14 @@ pub fn method(py: Python<'_>, name: &str, options: Option<&Bound<'_, PyAny>>, n:
     Ok(method)
 }
 
-/// Solves LCP(q, A); arguments already coerced by `lcpstar.solve`.
+/// Solves LCP(q, A). `None` when A and q are not arrays of doubles of the right shapes: `lcpstar.solve` then coerces them
+/// and calls again.
 #[pyfunction]
 #[pyo3(signature = (a, q, method_name, tol, max_iterations, time_limit, z0, certify, options))]
 pub fn solve(
     py: Python<'_>,
-    a: PyReadonlyArray2<'_, f64>,
-    q: PyReadonlyArray1<'_, f64>,
+    a: &Bound<'_, PyAny>,
+    q: &Bound<'_, PyAny>,
     method_name: &str,
     tol: f64,
     max_iterations: Option<usize>,
@@ -86,21 +87,22 @@ pub fn solve(
     z0: Option<PyReadonlyArray1<'_, f64>>,
     certify: &str,
     options: Option<&Bound<'_, PyAny>>,
-) -> PyResult<PySolution> {
+) -> PyResult<Option<PySolution>> {
     let start = Instant::now();
-    let lcp = to_lcp(py, &a, &q)?;
+    let Some(lcp) = to_lcp_as_is(py, a, q)? else { return Ok(None) };
     let method = method(py, method_name, options, lcp.n())?;
     let certify = Certify::from_name(certify).map_err(|e| to_python(py, &e))?;
     let settings = Settings { method, tol, z0: z0.as_ref().map(vector), certify };
-    let signals = Signals::new();
-    let control = Control {
-        max_iterations,
-        deadline: deadline(py, start, time_limit)?,
-        interrupted: Some(&|| signals.interrupted()),
-    };
-    let solution = enter_core(py, || driver::solve(&lcp, &settings, &control))?;
+    let deadline = deadline(py, start, time_limit)?;
+    let control = Control { max_iterations, deadline, interrupted: None };
+    if let Some(solution) = enter_core_briefly(py, || Ok(driver::solve_briefly(&lcp, &settings, &control)))? {
+        return Ok(Some(PySolution::new(solution, start.elapsed().as_secs_f64())));
+    }
+    let signals = Signals::since(start);
+    let control = Control { interrupted: Some(&|| signals.interrupted()), ..control };
+    let solution = enter_core(py, || driver::solve_at_length(&lcp, &settings, &control))?;
     signals.raise()?;
-    Ok(PySolution::new(solution, start.elapsed().as_secs_f64()))
+    Ok(Some(PySolution::new(solution, start.elapsed().as_secs_f64())))
 }
 
 /// When to stop; a time limit too long to express is none.

@@ -1,6 +1,6 @@
 //! `solve` for a sparse A.
 
-use lcpstar::driver::{self, SPARSE_METHODS, Settings};
+use lcpstar::driver::{self, Certify, SPARSE_METHODS, Settings};
 use lcpstar::{Control, LcpError, SparseLcp};
 use numpy::PyReadonlyArray1;
 use pyo3::prelude::*;
@@ -26,7 +26,7 @@ pub fn to_sparse_lcp(
 
 /// Solves a sparse LCP given by compressed rows; arguments already coerced by `lcpstar.solve`.
 #[pyfunction]
-#[pyo3(signature = (starts, columns, values, q, method_name, tol, max_iterations, time_limit, z0, options))]
+#[pyo3(signature = (starts, columns, values, q, method_name, tol, max_iterations, time_limit, z0, certify, options))]
 pub fn solve_sparse(
     py: Python<'_>,
     starts: PyReadonlyArray1<'_, i64>,
@@ -38,6 +38,7 @@ pub fn solve_sparse(
     max_iterations: Option<usize>,
     time_limit: Option<f64>,
     z0: Option<PyReadonlyArray1<'_, f64>>,
+    certify: &str,
     options: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<PySolution> {
     let start = Instant::now();
@@ -45,9 +46,10 @@ pub fn solve_sparse(
         let value = method_name.to_owned();
         return Err(to_python(py, &LcpError::UnknownName { name: "method", value, choices: SPARSE_METHODS }));
     }
+    let certify = Certify::from_name(certify).map_err(|e| to_python(py, &e))?;
     let lcp = to_sparse_lcp(py, &starts, &columns, &values, &q)?;
     let method = crate::solve::method(py, method_name, options, q.len()?)?;
-    let settings = Settings { method, tol, z0: z0.as_ref().map(vector), ..Settings::default() };
+    let settings = Settings { method, tol, z0: z0.as_ref().map(vector), certify };
     let signals = Signals::new();
     let control = Control {
         max_iterations,

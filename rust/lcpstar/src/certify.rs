@@ -1,10 +1,12 @@
 //! Where "solved" and "infeasible" are said: every claim is recomputed from the caller's data. Beside it, `small::verify`
 //! accepts the answers of the kernels for small problems by a stricter rule, and `driver::prove` those of exact arithmetic.
 
+mod extreme;
+
 use crate::exact::sufficiency::{self, NotSufficient};
 use crate::linalg::kernels::max_abs;
-use crate::residual::{equilibrated_residual, natural_residual, slack};
-use crate::scaling::{Equilibrated, Scaling};
+use crate::residual::{ABSOLUTE, SPARSE_FLOOR, equilibrated_residual, holds_alone, natural_residual, slack};
+use crate::scaling::{Equilibrated, ORDINARY, Scaling};
 use crate::solution::{Candidate, Certificate, Ray, Solution};
 use crate::sparse::SparseLcp;
 use crate::status::{Status, Termination};
@@ -18,37 +20,49 @@ struct Judged {
     solves: bool,
 }
 
-/// On the equilibrated problem, where `max|q'| < 1`, `max|min(z', w')|` itself must be below `max(tol, ABSOLUTE)`: both other
-/// tests allow rounding in proportion to z, and a z of 1e16 from a nearly singular block would pass them with any error.
-const ABSOLUTE: f64 = 1e-6;
-
 /// Turns what `method` found on the equilibrated problem into a verified [`Solution`] of the caller's. O(n^2).
 ///
-/// "Solved" needs both views: the scale-free residual within `tol`, and in the caller's own units
-/// `|min(z, w)|_i <= 10 tol max|q| + 8 eps (|A||z| + |q|)_i` in every row, so that neither a badly scaled
-/// row nor a badly chosen unit can hide an error; nor can a huge z, see `ABSOLUTE`.
+/// "Solved" needs every view: the scale-free residual within `tol`; in the caller's own units
+/// `|min(z, w)|_i <= 10 tol max|q| + 8 eps (|A||z| + |q|)_i` in every row; and every row holds to its own numbers, see
+/// [`holds_alone`]. So neither a badly scaled row nor a badly chosen unit can hide an error; nor can a huge z, see `ABSOLUTE`.
 #[must_use]
-pub fn certify(problem: &Equilibrated<'_>, candidate: Candidate, method: &'static str, tol: f64) -> Solution {
-    let judged = judge(problem, candidate.z, tol);
-    let n = judged.z.len();
-    let (status, certificate) = if judged.solves {
-        (Status::Solved, None)
+pub fn certify(problem: &Equilibrated<'_>, mut candidate: Candidate, method: &'static str, tol: f64) -> Solution {
+    let judged = judge(problem, std::mem::take(&mut candidate.z), tol);
+    let ray = candidate.ray.as_ref().map(|ray| ray_to_caller(problem, ray));
+    let certificate = if judged.solves {
+        None
     } else if let Some(y) = farkas_vector(problem, candidate.farkas.as_deref(), candidate.ray.as_ref()) {
-        (Status::Infeasible, Some(Certificate::Infeasible { y, exact: None }))
+        Some(Certificate::Infeasible { y, exact: None })
     } else {
-        let proof = candidate.not_sufficient.and_then(|proof| insufficiency(problem, &proof));
-        (unsolved(candidate.termination), proof.map(Certificate::NotSufficient))
+        let proof = candidate.not_sufficient.take().and_then(|proof| insufficiency(problem, &proof));
+        proof.map(Certificate::NotSufficient)
+    };
+    let solution = conclude(judged, candidate, certificate, method, tol, |i, j| problem.original.row(i)[j]);
+    Solution { ray, ..solution }
+}
+
+/// The solution from the judgement on its point and the proof, if any, of what else it claims.
+fn conclude(
+    judged: Judged,
+    candidate: Candidate,
+    certificate: Option<Certificate>,
+    method: &'static str,
+    tol: f64,
+    entry: impl Fn(usize, usize) -> f64,
+) -> Solution {
+    let status = match certificate {
+        _ if judged.solves => Status::Solved,
+        Some(Certificate::Infeasible { .. }) => Status::Infeasible,
+        _ => unsolved(candidate.termination),
     };
     let alpha = match candidate.alpha {
-        Some(alpha) if status == Status::Solved => alpha,
-        _ => (0..n).filter(|&i| judged.z[i] > 0.0).collect(),
+        Some(alpha) if judged.solves => alpha,
+        _ => (0..judged.z.len()).filter(|&i| judged.z[i] > 0.0).collect(),
     };
-    let certificate = match status {
-        Status::Solved => Some(Certificate::Solution { alpha: alpha.clone(), exact: None }),
-        _ => certificate,
-    };
-    let message = explain(|i, j| problem.original.row(i)[j], status, candidate.termination, judged.residual, tol);
+    let certificate =
+        if judged.solves { Some(Certificate::Solution { alpha: alpha.clone(), exact: None }) } else { certificate };
     Solution {
+        message: explain(entry, status, candidate.termination, judged.residual, tol),
         z: judged.z,
         w: judged.w,
         status,
@@ -58,24 +72,31 @@ pub fn certify(problem: &Equilibrated<'_>, candidate: Candidate, method: &'stati
         natural_residual: judged.natural_residual,
         alpha,
         certificate,
-        ray: candidate.ray.map(|ray| ray_to_caller(problem, &ray)),
+        ray: None,
         pieces: vec![],
-        message,
     }
 }
 
-/// Recomputes `w`, both residuals and the row test. Negative entries of `z` are set to zero first.
+/// Recomputes `w`, both residuals and the row tests. Negative entries of `z` are set to zero first.
 fn judge(problem: &Equilibrated<'_>, z: Vec<f64>, tol: f64) -> Judged {
-    judge_point(&problem.scaling, max_abs(problem.original.q()), z, tol, |z| slack(&problem.lcp, z))
+    let judged = judge_point(&problem.scaling, max_abs(problem.original.q()), z, tol, 0.0, |z| slack(&problem.lcp, z));
+    if problem.is_ordinary && judged.z.iter().all(|&z| z == 0.0 || ORDINARY.contains(&z)) {
+        return judged;
+    }
+    extreme::judge(problem, judged, tol)
 }
 
 /// As [`judge`], for any way to compute `w'` and its rounding scale.
+///
+/// A point that fails is looked at again without the smaller member of each pair, and then without what is rounding error
+/// beside the largest entry: a degenerate z_i that should be zero, in a row that holds nothing else.
 fn judge_point(
     scaling: &Scaling,
     max_q: f64,
     mut z: Vec<f64>,
     tol: f64,
-    slack: impl FnOnce(&[f64]) -> (Vec<f64>, Vec<f64>),
+    floor: f64,
+    slack: impl Fn(&[f64]) -> (Vec<f64>, Vec<f64>),
 ) -> Judged {
     for x in &mut z {
         if !x.is_finite() {
@@ -88,7 +109,47 @@ fn judge_point(
         z.fill(0.0); // no iterate worth keeping
     }
     let (w, magnitude) = slack(&z);
+    let noise = NOISE * max_abs(&z);
+    let pairs: Vec<f64> = z.iter().zip(&w).map(|(&z, &w)| if z < w { 0.0 } else { z }).collect();
+    let without_noise: Vec<f64> = pairs.iter().map(|&z| if z <= noise { 0.0 } else { z }).collect();
+    let first = measure(scaling, max_q, z, w, magnitude, tol, floor);
+    if first.solves {
+        return first;
+    }
+    let mut seen = scaling.z_from_caller(&first.z);
+    for z in [pairs, without_noise] {
+        if z != seen {
+            let (w, magnitude) = slack(&z);
+            seen.clone_from(&z);
+            let judged = measure(scaling, max_q, z, w, magnitude, tol, floor);
+            if judged.solves {
+                return judged;
+            }
+        }
+    }
+    if first.w.iter().chain(&first.z).all(|x| x.is_finite()) && first.residual.is_finite() {
+        return first;
+    }
+    let z = vec![0.0; first.z.len()];
+    let (w, magnitude) = slack(&z);
+    measure(scaling, max_q, z, w, magnitude, tol, floor)
+}
+
+/// An entry of z below this part of the largest one may be rounding error.
+const NOISE: f64 = 1e-13;
+
+/// One point with its `w'` and `m' = |A'||z'| + |q'|`.
+fn measure(
+    scaling: &Scaling,
+    max_q: f64,
+    z: Vec<f64>,
+    w: Vec<f64>,
+    magnitude: Vec<f64>,
+    tol: f64,
+    floor: f64,
+) -> Judged {
     let residual = equilibrated_residual(&z, &w);
+    let rows_hold = (0..z.len()).all(|i| holds_alone(z[i], w[i], magnitude[i], tol, floor));
     let caller_z = scaling.z_to_caller(&z);
     let caller_w = scaling.w_to_caller(&w);
     let magnitude = scaling.w_to_caller(&magnitude);
@@ -97,9 +158,9 @@ fn judge_point(
         .iter()
         .zip(&caller_w)
         .zip(&magnitude)
-        .all(|((&z, &w), &m)| z.is_finite() && z.min(w).abs() <= allowed + 8.0 * f64::EPSILON * m);
+        .all(|((&z, &w), &m)| z.is_finite() && w.is_finite() && z.min(w).abs() <= allowed + 8.0 * f64::EPSILON * m);
     Judged {
-        solves: residual <= tol && natural_residual(&z, &w) <= tol.max(ABSOLUTE) && rows_agree,
+        solves: residual <= tol && natural_residual(&z, &w) <= tol.max(ABSOLUTE) && rows_agree && rows_hold,
         residual,
         natural_residual: natural_residual(&caller_z, &caller_w),
         z: caller_z,
@@ -113,36 +174,15 @@ pub fn certify_sparse(
     original: &SparseLcp,
     scaled: &SparseLcp,
     scaling: &Scaling,
-    candidate: Candidate,
+    mut candidate: Candidate,
     method: &'static str,
     tol: f64,
 ) -> Solution {
-    let judged = judge_point(scaling, max_abs(original.q()), candidate.z, tol, |z| scaled.slack(z));
-    let y = candidate.farkas.as_deref().and_then(normalised).filter(|y| is_sparse_farkas(scaled, y));
-    let support = (0..judged.z.len()).filter(|&i| judged.z[i] > 0.0).collect();
-    let (status, certificate, alpha) = if judged.solves {
-        let alpha: Vec<usize> = candidate.alpha.unwrap_or(support);
-        (Status::Solved, Some(Certificate::Solution { alpha: alpha.clone(), exact: None }), alpha)
-    } else if let Some(y) = y {
-        let y = scaling.multiplier_to_caller(&y);
-        (Status::Infeasible, Some(Certificate::Infeasible { y, exact: None }), support)
-    } else {
-        (unsolved(candidate.termination), None, support)
-    };
-    Solution {
-        z: judged.z,
-        w: judged.w,
-        status,
-        method,
-        iterations: candidate.iterations,
-        residual: judged.residual,
-        natural_residual: judged.natural_residual,
-        alpha,
-        certificate,
-        ray: None,
-        message: explain(|i, j| original.entry(i, j), status, candidate.termination, judged.residual, tol),
-        pieces: vec![],
-    }
+    let z = std::mem::take(&mut candidate.z);
+    let judged = judge_point(scaling, max_abs(original.q()), z, tol, SPARSE_FLOOR, |z| scaled.slack(z));
+    let farkas = candidate.farkas.as_deref().and_then(normalised).filter(|y| is_sparse_farkas(scaled, y));
+    let certificate = farkas.map(|y| Certificate::Infeasible { y: scaling.multiplier_to_caller(&y), exact: None });
+    conclude(judged, candidate, certificate, method, tol, |i, j| original.entry(i, j))
 }
 
 /// [`is_farkas`] by rows: plain sums, whose rounding is charged to `A'y`.
@@ -166,7 +206,10 @@ fn is_sparse_farkas(lcp: &SparseLcp, y: &[f64]) -> bool {
 fn farkas_vector(problem: &Equilibrated<'_>, farkas: Option<&[f64]>, ray: Option<&Ray>) -> Option<Vec<f64>> {
     let ray = ray.map(|ray| ray.z_hat.as_slice());
     let y = [farkas, ray].into_iter().flatten().find_map(|y| normalised(y).filter(|y| is_farkas(problem, y)))?;
-    Some(problem.scaling.multiplier_to_caller(&y))
+    if problem.is_ordinary {
+        return Some(problem.scaling.multiplier_to_caller(&y));
+    }
+    extreme::farkas(problem, &y)
 }
 
 /// `y` with negative entries set to zero and `max|y| = 1`.
@@ -240,6 +283,11 @@ fn explain(
     residual: f64,
     tol: f64,
 ) -> String {
+    let why = if residual <= tol {
+        format!("residual {residual:.2e}, and a row whose error is too large in the caller's units")
+    } else {
+        format!("residual {residual:.2e} > tol {tol:.0e}")
+    };
     match (status, termination) {
         (Status::Solved, _) => format!("solved: residual {residual:.2e} <= tol {tol:.0e}"),
         (Status::Infeasible, _) => {
@@ -249,13 +297,11 @@ fn explain(
              matrix; try method=\"auto\", another covering vector d, or lcpstar.solutions"
             .to_owned(),
         (Status::MaxIterations, _) => {
-            format!(
-                "iteration limit reached with residual {residual:.2e} > tol {tol:.0e}; raise max_iterations or try method=\"auto\""
-            )
+            format!("iteration limit reached with {why}; raise max_iterations or try method=\"auto\"")
         }
         (Status::TimeLimit, Termination::Interrupted) => format!("interrupted with residual {residual:.2e}"),
         (Status::TimeLimit, _) => {
-            format!("time limit reached with residual {residual:.2e} > tol {tol:.0e}; raise time_limit or tol")
+            format!("time limit reached with {why}; raise time_limit or tol")
         }
         (_, Termination::NotZ { row, column }) => {
             format!("A is not a Z-matrix: A[{row}, {column}] = {} is positive; try method=\"auto\"", entry(row, column))
@@ -269,7 +315,7 @@ fn explain(
             format!("{reason} (residual {residual:.2e}, tol {tol:.0e}); try method=\"auto\" or certify=\"exact\"")
         }
         (Status::NumericalBreakdown, _) => format!(
-            "the method finished, but its point has residual {residual:.2e} > tol {tol:.0e} on the caller's data; \
+            "the method finished, but its point has {why} on the caller's data; \
              try method=\"auto\", a larger tol, or certify=\"exact\""
         ),
     }
@@ -302,6 +348,14 @@ mod tests {
         let (a, q) = ([1.0, 0.0, 0.0, 1e-6], [-1.0, -1e-6]);
         assert_eq!(verdict(&a, &q, &[1.0, 1.0], 1e-9).status, Status::Solved);
         assert_ne!(verdict(&a, &q, &[1.0, 0.0], 1e-6).status, Status::Solved);
+    }
+
+    #[test]
+    fn a_message_never_says_that_a_small_residual_is_above_tol() {
+        // w_2 = 1e16 - 1 beside z_2 = 1, in a row of a point of size 1e16.
+        let found = verdict(&[0.0, 1.0, 1.0, 0.0], &[-1.0, -1.0], &[1e16, 1.0], 1e-9);
+        assert_eq!(found.status, Status::NumericalBreakdown);
+        assert!(found.residual <= 1e-9 && !found.message.contains(" > tol"), "{}", found.message);
     }
 
     #[test]

@@ -152,9 +152,24 @@ impl Default for Settings {
 /// # Errors
 /// Only for a broken promise of the caller: a wrong length, a number that is not finite, an option out of range.
 pub fn solve(lcp: &Lcp, settings: &Settings, control: &Control<'_>) -> Result<Solution> {
-    if let Some(solution) = small::solve(lcp, settings, control) {
-        return Ok(solution);
+    match solve_briefly(lcp, settings, control) {
+        Some(solution) => Ok(solution),
+        None => solve_at_length(lcp, settings, control),
     }
+}
+
+/// The first step of [`solve`], a few microseconds at most: the kernel for small problems. `None` says nothing about the
+/// problem or the settings.
+#[must_use]
+pub fn solve_briefly(lcp: &Lcp, settings: &Settings, control: &Control<'_>) -> Option<Solution> {
+    small::solve(lcp, settings, control)
+}
+
+/// What follows in [`solve`].
+///
+/// # Errors
+/// As [`solve`].
+pub fn solve_at_length(lcp: &Lcp, settings: &Settings, control: &Control<'_>) -> Result<Solution> {
     check(lcp, settings)?;
     let problem = Equilibrated::new(lcp);
     let solution = match at_once(&problem, settings) {
@@ -182,7 +197,7 @@ fn by_method(problem: &Equilibrated<'_>, settings: &Settings, control: &Control<
                 let options = lemke::Settings { d: Some(covering_vector(problem, d)) };
                 certify(problem, lemke::lemke::<f64>(scaled, &options, control), "lemke", settings.tol)
             }
-            None => portfolio::lemke(problem, *restarts, *seed, settings.tol, control),
+            None => portfolio::lemke(problem, *restarts, *seed, settings, control),
         },
         Method::LemkeHowson(options) => {
             certify(problem, lemke_howson::lemke_howson(scaled, options, control), "lemke_howson", settings.tol)
@@ -217,10 +232,14 @@ pub const SPARSE_METHODS: &[&str] = &["auto", "interior_point", "newton", "pgs",
 ///
 /// # Errors
 /// `UnknownName` for a method that takes no sparse A; `OutOfRange` for `tol` and options; `WrongLength`, `NotFinite` or
-/// `Negative` for `z0`.
+/// `Negative` for `z0`; `TooLarge` for an exact proof beyond [`SPARSE_EXACT_UP_TO`], because it is made on a dense copy.
 pub fn solve_sparse(lcp: &SparseLcp, settings: &Settings, control: &Control<'_>) -> Result<Solution> {
     let tol = settings.tol;
     check_common(lcp.n(), settings)?;
+    if settings.certify == Certify::Exact && lcp.n() > SPARSE_EXACT_UP_TO {
+        let name = "certify=\"exact\" with a sparse A, which is proved on a dense copy,";
+        return Err(LcpError::TooLarge { name, n: lcp.n(), limit: SPARSE_EXACT_UP_TO });
+    }
     let scaling = Scaling::of_sparse(lcp);
     let scaled = lcp.scaled(&scaling);
     let z0 = settings.z0.as_deref().map(|z0| scaling.z_from_caller(z0));
@@ -237,7 +256,7 @@ pub fn solve_sparse(lcp: &SparseLcp, settings: &Settings, control: &Control<'_>)
         Method::Auto => (interior_point(&interior_point::Settings::default()), "interior_point"),
         Method::InteriorPoint(options) => (interior_point(options), "interior_point"),
         Method::Approximate(method) => {
-            let goal = Goal::new(tol, &scaling, &scaling, lcp.q());
+            let goal = Goal::of_sparse(tol, &scaling, lcp.q());
             (method.run(&Sparse::new(&scaled), &goal, z0.as_deref(), control), method.name())
         }
         _ => {
@@ -245,8 +264,15 @@ pub fn solve_sparse(lcp: &SparseLcp, settings: &Settings, control: &Control<'_>)
             return Err(LcpError::UnknownName { name: "method", value, choices: SPARSE_METHODS });
         }
     };
-    Ok(certify_sparse(lcp, &scaled, &scaling, found, name, tol))
+    let solution = certify_sparse(lcp, &scaled, &scaling, found, name, tol);
+    Ok(match settings.certify {
+        Certify::Float => solution,
+        Certify::Exact => prove::prove(&Equilibrated::new(&lcp.to_dense()), solution, tol, control),
+    })
 }
+
+/// Largest order of a sparse problem that is proved exactly.
+pub const SPARSE_EXACT_UP_TO: usize = 2000;
 
 /// Runs the interior point method on `D A D`, because `D_r A D_c` with `D_r != D_c` need not be monotone when A is.
 fn interior_point_candidate(

@@ -80,8 +80,7 @@ pub fn check_finite_matrix(name: &'static str, a: &[f64], columns: usize) -> Res
     }
 }
 
-/// The sum of `0 x` is zero exactly when every entry is finite: one vectorised pass, then the search.
+/// One vectorised pass, then the search.
 fn first_not_finite(v: &[f64]) -> Option<usize> {
-    let poison: f64 = v.iter().map(|x| 0.0 * x).sum();
-    if poison == 0.0 { None } else { v.iter().position(|x| !x.is_finite()) }
+    if crate::linalg::kernels::all_finite(v) { None } else { v.iter().position(|x| !x.is_finite()) }
 }

@@ -22,6 +22,33 @@ pub fn equilibrated_residual(z: &[f64], w: &[f64]) -> f64 {
     natural_residual(z, w) / max_abs(z).max(1.0)
 }
 
+/// How far `w_i` is from what `z_i` asks for: zero where `z_i > 0`, nonnegative elsewhere.
+///
+/// Divided by `m_i = (|A||z| + |q|)_i` it does not depend on the units of any row or column, and its largest quotient is the
+/// least omega such that z solves exactly some LCP(q + e, A + E) with `|E| <= omega |A|`, `|e| <= omega |q|` entry by entry:
+/// w_i is a sum of terms each of which may change by that part of itself. [Hig02, sec. 7.2]
+#[must_use]
+pub fn off_by(z: f64, w: f64) -> f64 {
+    if z > 0.0 || w.is_nan() { w.abs() } else { (-w).max(0.0) }
+}
+
+/// Whether a row of the equilibrated problem holds to its own numbers, with `m = (|A||z| + |q|)_i`: its error is a small
+/// part of them, or at most `floor`. The part is `sqrt(tol)`, so that it tells a row that is wholly wrong, however small its
+/// numbers, from one that is only as accurate as `tol` asks.
+#[must_use]
+pub fn holds_alone(z: f64, w: f64, m: f64, tol: f64, floor: f64) -> bool {
+    let off = off_by(z, w);
+    off <= tol.sqrt() * m || off <= floor
+}
+
+/// The floor of [`holds_alone`] for a sparse A: rounding beside `max|q'| < 1`. The solution of a discretised equation may
+/// decay to nothing, and no double holds its tail. A dense A has floor 0.
+pub const SPARSE_FLOOR: f64 = 32.0 * f64::EPSILON;
+
+/// On the equilibrated problem, where `max|q'| < 1`, `max|min(z', w')|` itself must be below `max(tol, ABSOLUTE)`: both other
+/// tests allow rounding in proportion to z, and a z of 1e16 from a nearly singular block would pass them with any error.
+pub const ABSOLUTE: f64 = 1e-6;
+
 /// `min(a, b)` that keeps NaN.
 fn minimum(a: f64, b: f64) -> f64 {
     if a.is_nan() || a < b { a } else { b }

@@ -27,6 +27,16 @@ pub struct Equilibrated<'a> {
     pub lcp: Lcp,
     /// How the one became the other.
     pub scaling: Scaling,
+    /// Whether every number of both is zero or in [`ORDINARY`]: then no product or sum of a few overflows or loses digits.
+    pub is_ordinary: bool,
+}
+
+/// Sizes whose products stay far from both ends of the range of doubles.
+pub const ORDINARY: std::ops::Range<f64> = 1e-150..1e150;
+
+fn are_ordinary(x: &[f64]) -> bool {
+    // No early exit: the loop is vectorised.
+    x.iter().fold(true, |all, x| all & (*x == 0.0 || ORDINARY.contains(&x.abs())))
 }
 
 /// `x 2^e`, exact unless the result leaves the range of doubles.
@@ -236,8 +246,10 @@ impl<'a> Equilibrated<'a> {
             }
             a
         };
-        let q = original.q().iter().zip(&scaling.rows).map(|(&x, r)| times_power_of_two(x, r + scaling.q)).collect();
-        Self { original, lcp: Lcp::trusted(n, a, q), scaling }
+        let q: Vec<f64> =
+            original.q().iter().zip(&scaling.rows).map(|(&x, r)| times_power_of_two(x, r + scaling.q)).collect();
+        let is_ordinary = [original.a(), original.q(), &a, &q].into_iter().all(are_ordinary);
+        Self { original, lcp: Lcp::trusted(n, a, q), scaling, is_ordinary }
     }
 }
 

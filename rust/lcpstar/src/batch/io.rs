@@ -26,30 +26,53 @@ impl Source<'_> {
     }
 }
 
+/// Numbers of the caller.
+#[derive(Clone, Copy, Debug)]
+pub enum Numbers<'a> {
+    /// Double precision.
+    Double(&'a [f64]),
+    /// Single precision: each number stands for the double that equals it.
+    Single(&'a [f32]),
+}
+
+impl Numbers<'_> {
+    /// Copies the numbers from `first` on.
+    #[inline(always)]
+    pub(super) fn copy(self, first: usize, out: &mut [f64]) {
+        match self {
+            Self::Double(x) => out.copy_from_slice(&x[first..first + out.len()]),
+            Self::Single(x) => {
+                for (out, x) in out.iter_mut().zip(&x[first..]) {
+                    *out = f64::from(*x);
+                }
+            }
+        }
+    }
+}
+
 /// `count` problems of order `n`: blocks of `n * n` numbers of `a` (row-major) and of `n` numbers of `q`.
 #[derive(Clone, Copy, Debug)]
-pub struct Problems<'a, T> {
+pub struct Problems<'a> {
     /// Order.
     pub n: usize,
     /// Problems.
     pub count: usize,
     /// Matrices.
-    pub a: &'a [T],
+    pub a: Numbers<'a>,
     /// Where each problem's matrix is.
     pub a_source: Source<'a>,
     /// Vectors.
-    pub q: &'a [T],
+    pub q: Numbers<'a>,
     /// Where each problem's vector is.
     pub q_source: Source<'a>,
 }
 
-impl<'a, T> Problems<'a, T> {
-    /// The numbers of problem `k`.
+impl Problems<'_> {
+    /// Copies problem `k`.
     #[inline(always)]
-    #[must_use]
-    pub fn get(&self, k: usize) -> (&'a [T], &'a [T]) {
-        let (i, j, n) = (self.a_source.block(k), self.q_source.block(k), self.n);
-        (&self.a[i * n * n..(i + 1) * n * n], &self.q[j * n..(j + 1) * n])
+    pub(super) fn copy(&self, k: usize, a: &mut [f64], q: &mut [f64]) {
+        self.a.copy(self.a_source.block(k) * self.n * self.n, a);
+        self.q.copy(self.q_source.block(k) * self.n, q);
     }
 }
 
@@ -100,6 +123,19 @@ impl<'a> Alpha<'a> {
             Self::Flags(v) => {
                 let (head, tail) = v.split_at_mut(problems * n);
                 (Self::Flags(head), Self::Flags(tail))
+            }
+        }
+    }
+
+    /// Writes the support of problem `k`, given as a mask (n <= 64).
+    #[inline(always)]
+    pub(super) fn write_mask(&mut self, n: usize, k: usize, mask: u64) {
+        match self {
+            Self::Masks(v) => v[k] = mask,
+            Self::Flags(v) => {
+                for (i, flag) in v[k * n..(k + 1) * n].iter_mut().enumerate() {
+                    *flag = mask >> i & 1 == 1;
+                }
             }
         }
     }
@@ -177,6 +213,9 @@ pub struct Settings<'a> {
     pub threads: usize,
     /// Guessed supports.
     pub guess: Guess<'a>,
+    /// Whether solutions that single precision found are computed again in double precision (problems in single
+    /// precision only).
+    pub polish: bool,
     /// Says whether the caller wants to stop; asked between chunks.
     pub interrupted: Option<&'a (dyn Fn() -> bool + Sync)>,
 }

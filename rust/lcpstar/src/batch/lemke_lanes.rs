@@ -1,48 +1,83 @@
-//! Lemke's method, one problem per lane: the tableau, covering vector and rules of [`lemke`](super::lemke), every
-//! lane with its own pivot row and driving variable. [CPS92, sec. 4.4]
+//! Lemke's method, one problem per lane: the covering vector and rules of [`lemke`](crate::small::lemke), every lane
+//! with its own pivot row and driving variable. [CPS92, sec. 4.4]
 //!
-//! Slots are stored column by column, so that the lanes whose driving variable comes from a slot are one mask for the
-//! whole column. Lanes that have finished compute on without being looked at.
+//! A condensed tableau, `basic_i = rhs_i + sum_j t_ij nonbasic_j` with n rows and n + 1 columns, exchanged in place:
+//! with pivot (r, s), `c` the column of the driving variable and `p` the new row r, every entry becomes
+//! `t_ij + c_i p_j`, where row r and column s are cleared first, `c_r = 1` and `p_s = 1 / t_rs`. So lanes that pivot
+//! elsewhere share one formula, and those that have finished get `p = 0`.
+//!
+//! Labels are signed numbers: `j + 1` for w_j, `-(j + 1)` for z_j, 0 for z_0; minus a label is its complement.
 
-use super::newton::Tile;
+use super::newton::{Tile, multiply};
 use crate::small::lane::{Lane, Mask};
-use crate::small::lemke::{NOISE, PIVOT_TOLERANCE, TIE, spread};
-
-/// z_0 in a row.
-const ARTIFICIAL: u8 = u8::MAX;
+use crate::small::lemke::{CANCELLED, NOISE, PIVOT_TOLERANCE, TIE, spread};
 
 /// Memory for [`Pivots::solve`].
 pub struct Pivots<X: Lane> {
-    /// Slot j, row i at `j n + i`.
+    /// Row i, column j at `i (n + 1) + j`.
     t: Vec<X>,
-    column: Vec<X>,
-    partner: Vec<X>,
     rhs: Vec<X>,
-    /// Column of the variable that leaves.
-    leaving: Vec<X>,
+    /// Labels of the rows.
+    basic: Vec<X>,
+    /// Column of the nonbasic member of each pair.
+    place: Vec<X>,
+    /// Of the driving variable.
+    column: Vec<X>,
     /// The new pivot row.
     row: Vec<X>,
-    /// Who sits in row i, lane by lane: j for w_j, n + j for z_j, or `ARTIFICIAL`.
-    basic: Vec<[u8; 16]>,
+    /// Where a lane's driving variable does not stand in column j.
+    elsewhere: Vec<X::Mask>,
+    /// Value by label: that of label k at `k + n`, -1 for the nonbasic ones.
+    values: Vec<X>,
 }
 
-impl<X: Lane<Number = f64>> Pivots<X> {
+/// Where each lane stands.
+struct State<X: Lane> {
+    active: X::Mask,
+    /// Pivot row; -1 for none.
+    row: X,
+    /// Row of z_0.
+    artificial: X,
+    /// Label of the driving variable.
+    driving: X,
+    /// Its column.
+    slot: X,
+}
+
+/// The ratio `over / under` of a row.
+#[derive(Clone, Copy)]
+struct Ratio<X> {
+    over: X,
+    under: X,
+}
+
+impl<X: Lane> Ratio<X> {
+    /// The smaller one, lane by lane; a ratio `over / 0` is never the smaller one.
+    #[inline(always)]
+    fn or(self, x: Self) -> Self {
+        let smaller = x.over.mul(self.under).lt(self.over.mul(x.under));
+        Self { over: x.over.or_else(smaller, self.over), under: x.under.or_else(smaller, self.under) }
+    }
+}
+
+impl<X: Lane> Pivots<X> {
     /// Memory for problems of order `n`.
     #[must_use]
     pub fn new(n: usize) -> Self {
-        let vector = vec![X::splat(0.0); n];
+        let zeros = |length| vec![X::splat(0.0); length];
         Self {
-            t: vec![X::splat(0.0); n * n],
-            column: vector.clone(),
-            partner: vector.clone(),
-            rhs: vector.clone(),
-            leaving: vector.clone(),
-            row: vector,
-            basic: vec![[0; 16]; n],
+            t: zeros(n * (n + 1)),
+            rhs: zeros(n),
+            basic: zeros(n),
+            place: zeros(n),
+            column: zeros(n),
+            row: zeros(n + 1),
+            elsewhere: vec![X::Mask::NONE; n + 1],
+            values: zeros(2 * n + 1),
         }
     }
 
-    /// Solves the problems of `tile`; z and alpha are set for the lanes returned, which ended with a complementary
+    /// Solves the problems of `tile`; z, w and alpha are set for the lanes returned, which ended with a complementary
     /// basis within `limit` pivots; `pivots` counts them. O(n^2) a pivot.
     #[inline(always)]
     pub fn solve<const N: usize>(
@@ -54,163 +89,214 @@ impl<X: Lane<Number = f64>> Pivots<X> {
         pivots: &mut [u8; 16],
     ) -> X::Mask {
         let n = if N == 0 { n } else { N };
-        for i in 0..n {
-            for j in 0..n {
-                self.t[j * n + i] = tile.a[i * n + j];
-            }
-            self.rhs[i] = tile.q[i];
-            self.column[i] = X::splat(spread(i));
-            self.basic[i] = [i as u8; 16];
-            tile.z[i] = X::splat(0.0);
-            tile.alpha[i] = X::Mask::NONE;
-        }
-        let (mut rows, mut finished) = ([0; 16], X::Mask::NONE);
-        let mut active = self.first_rows::<N>(n, lanes, &mut rows);
-        for l in 0..X::LANES {
-            finished.set(l, lanes.get(l) && !active.get(l));
-        }
-        let artificial = rows;
-        let mut driving = [ARTIFICIAL; 16];
-        *pivots = [0; 16];
+        let (zero, one) = (X::splat(0.0), X::splat(1.0));
+        let mut state = self.start::<N>(n, tile, lanes);
+        let mut finished = lanes.and(state.active.not());
+        let mut count = zero;
         for _ in 0..limit {
-            if !active.any() {
+            if !state.active.any() {
                 break;
             }
-            let mut pair = X::splat(-1.0);
-            let mut done = X::Mask::NONE;
-            for l in (0..X::LANES).filter(|&l| active.get(l)) {
-                let left = std::mem::replace(&mut self.basic[rows[l]][l], driving[l]);
-                pivots[l] += 1;
-                if left == ARTIFICIAL {
-                    done.set(l, true);
-                } else {
-                    let left = usize::from(left);
-                    let j = if left < n { left } else { left - n };
-                    driving[l] = (if left < n { left + n } else { j }) as u8;
-                    pair.set(l, j as f64);
-                }
-            }
-            self.exchange::<N>(n, &rows, pair);
-            if done.any() {
-                self.harvest::<N>(n, tile, done);
-                finished = finished.or(done);
-                active = active.and(done.not());
-            }
-            active = active.and(self.blocking_rows::<N>(n, &artificial, &mut rows));
+            count = count.add(one.only(state.active));
+            let left = self.exchange::<N>(n, &state);
+            let done = state.active.and(left.eq(zero));
+            finished = finished.or(done);
+            state.active = state.active.and(done.not());
+            self.drive::<N>(n, &mut state, left.neg());
+            self.block::<N>(n, &mut state);
         }
+        for l in 0..X::LANES {
+            pivots[l] = count.get(l) as u8;
+        }
+        self.harvest::<N>(n, tile);
         finished
     }
 
-    /// The rows that z_0 enters; lanes with `q >= 0` are left out of the mask.
+    /// `w = q + A z + d z_0`, z_0 driving, blocked by the row that becomes nonnegative last.
     #[inline(always)]
-    fn first_rows<const N: usize>(&self, n: usize, lanes: X::Mask, rows: &mut [usize; 16]) -> X::Mask {
+    fn start<const N: usize>(&mut self, n: usize, tile: &Tile<X>, lanes: X::Mask) -> State<X> {
         let n = if N == 0 { n } else { N };
-        let (mut largest, mut row) = (X::splat(0.0), X::splat(0.0));
+        let s = n + 1;
+        let zero = X::splat(0.0);
+        let (mut largest, mut row) = (zero, X::splat(-1.0));
         for i in 0..n {
-            let needed = self.rhs[i].neg().mul(X::splat(1.0 / spread(i)));
+            self.t[i * s..i * s + n].copy_from_slice(&tile.a[i * n..(i + 1) * n]);
+            self.t[i * s + n] = zero;
+            self.column[i] = X::splat(spread(i));
+            self.rhs[i] = tile.q[i];
+            self.basic[i] = X::splat((i + 1) as f64);
+            self.place[i] = X::splat(i as f64);
+            let needed = tile.q[i].neg().mul(X::splat(1.0 / spread(i)));
             let larger = largest.lt(needed);
             largest = needed.or_else(larger, largest);
             row = X::splat(i as f64).or_else(larger, row);
         }
-        for l in 0..X::LANES {
-            rows[l] = row.get(l) as usize;
-        }
-        lanes.and(X::splat(0.0).lt(largest))
+        let active = lanes.and(zero.lt(largest));
+        row = row.or_else(active, X::splat(-1.0));
+        State { active, row, artificial: row, driving: zero, slot: X::splat(n as f64) }
     }
 
-    /// The driving variables and the basic ones of `rows` change places; see
-    /// [`Tableau::exchange`](crate::small::lemke::Tableau). `pair` names the slot that drives next, -1 for none.
+    /// The driving variables and the basic ones of the pivot rows change places; returns the labels of the latter.
     #[inline(always)]
-    fn exchange<const N: usize>(&mut self, n: usize, rows: &[usize; 16], pair: X) {
+    fn exchange<const N: usize>(&mut self, n: usize, state: &State<X>) -> X {
         let n = if N == 0 { n } else { N };
-        let (t, column, partner) = (&mut self.t[..n * n], &mut self.column[..n], &mut self.partner[..n]);
-        let (rhs, leaving, row) = (&mut self.rhs[..n], &mut self.leaving[..n], &mut self.row[..n]);
-        let (mut pivot, mut value) = (X::splat(0.0), X::splat(0.0));
-        for l in 0..X::LANES {
-            let r = rows[l].min(n - 1);
-            pivot.set(l, column[r].get(l));
-            value.set(l, rhs[r].get(l));
-            column[r].set(l, 1.0);
-            rhs[r].set(l, 0.0);
-            for j in 0..n {
-                let x = &mut t[j * n + r];
-                row[j].set(l, x.get(l));
-                x.set(l, 0.0);
-            }
-        }
-        let reciprocal = X::splat(1.0).div(pivot);
+        let s = n + 1;
+        let (t, column, row) = (&mut self.t[..n * s], &mut self.column[..n], &mut self.row[..s]);
+        let (rhs, basic, elsewhere) = (&mut self.rhs[..n], &mut self.basic[..n], &mut self.elsewhere[..s]);
+        let at = state.row.index(n, 1);
+        let left = X::pick(basic, at);
+        let reciprocal = X::splat(1.0).div(X::pick(column, at)).only(state.active);
         let minus = reciprocal.neg();
-        let value = value.mul(minus);
+        let value = X::pick(rhs, at).mul(minus);
+        let at = state.row.index(n, s);
+        for j in 0..s {
+            let here = state.slot.eq(X::splat(j as f64));
+            let p = X::pick(&t[j..], at).mul(minus);
+            row[j] = reciprocal.or_else(here, p);
+            elsewhere[j] = here.and(state.active).not();
+        }
         let noise = X::splat(NOISE);
         for i in 0..n {
-            let (r, c) = (rhs[i], column[i]);
-            let sum = r.add_product(c, value);
+            let here = state.row.eq(X::splat(i as f64));
+            column[i] = X::splat(1.0).or_else(here, column[i]);
+            let r = rhs[i].only(here.not());
+            let sum = r.add_product(column[i], value);
             rhs[i] = sum.only(r.abs().mul(noise).lt(sum.abs()));
-            leaving[i] = c.mul(reciprocal);
+            basic[i] = state.driving.or_else(here, basic[i]);
         }
-        for j in 0..n {
-            let p = row[j].mul(minus);
-            let slot = &mut t[j * n..(j + 1) * n];
-            let mine = pair.eq(X::splat(j as f64));
-            if mine.any() {
-                for i in 0..n {
-                    let sum = slot[i].add_product(column[i], p);
-                    partner[i] = sum.or_else(mine, partner[i]);
-                    slot[i] = leaving[i].or_else(mine, sum);
-                }
-            } else {
-                for i in 0..n {
-                    slot[i] = slot[i].add_product(column[i], p);
-                }
+        let (mut rows, mut i) = (t.chunks_exact_mut(4 * s), 0);
+        for rows in rows.by_ref() {
+            let (mut c, mut keep) = ([X::splat(0.0); 4], [X::Mask::NONE; 4]);
+            for r in 0..4 {
+                c[r] = column[i + r];
+                keep[r] = state.row.eq(X::splat((i + r) as f64)).not();
             }
+            let (first, rest) = rows.split_at_mut(s);
+            let (second, rest) = rest.split_at_mut(s);
+            let (third, fourth) = rest.split_at_mut(s);
+            let four = first.iter_mut().zip(second).zip(third).zip(fourth);
+            for ((((a, b), x), y), (p, stays)) in four.zip(row.iter().zip(&*elsewhere)) {
+                *a = a.only(keep[0].and(*stays)).add_product(c[0], *p);
+                *b = b.only(keep[1].and(*stays)).add_product(c[1], *p);
+                *x = x.only(keep[2].and(*stays)).add_product(c[2], *p);
+                *y = y.only(keep[3].and(*stays)).add_product(c[3], *p);
+            }
+            i += 4;
         }
-        column.copy_from_slice(partner);
+        for last in rows.into_remainder().chunks_exact_mut(s) {
+            let (c, keep) = (column[i], state.row.eq(X::splat(i as f64)).not());
+            for (a, (p, stays)) in last.iter_mut().zip(row.iter().zip(&*elsewhere)) {
+                *a = a.only(keep.and(*stays)).add_product(c, *p);
+            }
+            i += 1;
+        }
+        left
     }
 
-    /// The first rows to reach zero as the driving variables grow; lanes without one are left out of the mask.
+    /// The variables labelled `driving` drive next: those of `left` take their columns.
     #[inline(always)]
-    fn blocking_rows<const N: usize>(&self, n: usize, artificial: &[usize; 16], rows: &mut [usize; 16]) -> X::Mask {
+    fn drive<const N: usize>(&mut self, n: usize, state: &mut State<X>, driving: X) {
+        let n = if N == 0 { n } else { N };
+        let s = n + 1;
+        let place = &mut self.place[..n];
+        let pair = driving.abs().sub(X::splat(1.0)).or_else(state.active, X::splat(-1.0));
+        let slot = X::pick(place, pair.index(n, 1)).or_else(state.active, state.slot);
+        for j in 0..n {
+            place[j] = state.slot.or_else(pair.eq(X::splat(j as f64)), place[j]);
+        }
+        let at = slot.index(s, 1);
+        for i in 0..n {
+            self.column[i] = X::pick(&self.t[i * s..(i + 1) * s], at);
+        }
+        state.slot = slot;
+        state.driving = driving;
+    }
+
+    /// The first rows to reach zero as the driving variables grow; lanes without one are no longer active.
+    #[inline(always)]
+    fn block<const N: usize>(&self, n: usize, state: &mut State<X>) {
         let n = if N == 0 { n } else { N };
         let (column, rhs) = (&self.column[..n], &self.rhs[..n]);
-        let zero = X::splat(0.0);
-        let mut largest = zero;
-        for c in column {
-            largest = c.abs().max(largest);
+        let (zero, none) = (X::splat(0.0), X::splat(-1.0));
+        let mut largest = [zero; 4];
+        for (i, c) in column.iter().enumerate() {
+            largest[i % 4] = c.abs().max(largest[i % 4]);
         }
+        let largest = largest[0].max(largest[1]).max(largest[2].max(largest[3]));
         let tolerance = largest.mul(X::splat(PIVOT_TOLERANCE));
-        // The least ratio as a fraction, infinity at first: ratios are compared without dividing.
-        let (mut over, mut under, mut row) = (X::splat(1.0), zero, X::splat(-1.0));
+        // Least ratios as fractions, infinity at first, compared without dividing; four searches side by side.
+        let mut least = [Ratio { over: X::splat(1.0), under: zero }; 4];
+        for i in 0..n {
+            let (over, d) = (rhs[i].max(zero), column[i].neg());
+            least[i % 4] = least[i % 4].or(Ratio { over, under: d.only(tolerance.lt(d)) });
+        }
+        let Ratio { over, under } = least[0].or(least[1]).or(least[2].or(least[3]));
+        let over = over.mul(X::splat(TIE));
+        // The largest pivot of the rows that are tied.
+        let mut best = [(zero, none); 4];
         for i in 0..n {
             let (r, d) = (rhs[i].max(zero), column[i].neg());
-            let smaller = tolerance.lt(d).and(r.mul(under).lt(over.mul(d)));
-            over = r.or_else(smaller, over);
-            under = d.or_else(smaller, under);
-            row = X::splat(i as f64).or_else(smaller, row);
+            let (pivot, row) = best[i % 4];
+            let better = pivot.max(tolerance).lt(d).and(r.mul(under).le(over.mul(d)));
+            best[i % 4] = (d.or_else(better, pivot), X::splat(i as f64).or_else(better, row));
         }
-        let blocked = zero.le(row);
-        for l in 0..X::LANES {
-            if blocked.get(l) {
-                let z0 = artificial[l];
-                let (r, d) = (rhs[z0].get(l).max(0.0), -column[z0].get(l));
-                let tied = d > tolerance.get(l) && r * under.get(l) <= over.get(l) * d * TIE;
-                rows[l] = if tied { z0 } else { row.get(l) as usize };
-            }
+        let (mut pivot, mut row) = best[0];
+        for (d, i) in &best[1..] {
+            let better = pivot.lt(*d);
+            (pivot, row) = (d.or_else(better, pivot), i.or_else(better, row));
         }
-        blocked
+        state.active = state.active.and(zero.le(row));
+        let at = state.artificial.index(n, 1);
+        let (r, d) = (X::pick(rhs, at).max(zero), X::pick(column, at).neg());
+        let tied = tolerance.lt(d).and(r.mul(under).le(over.mul(d)));
+        state.row = state.artificial.or_else(tied, row).or_else(state.active, none);
     }
 
-    /// Copies the basic z's of the lanes that are done.
+    /// Puts the basic z's in place, rounding below zero set to zero, and computes w.
     #[inline(always)]
-    fn harvest<const N: usize>(&self, n: usize, tile: &mut Tile<X>, done: X::Mask) {
+    fn harvest<const N: usize>(&mut self, n: usize, tile: &mut Tile<X>) {
         let n = if N == 0 { n } else { N };
-        for l in (0..X::LANES).filter(|&l| done.get(l)) {
-            for i in 0..n {
-                let j = usize::from(self.basic[i][l]);
-                if (n..2 * n).contains(&j) {
-                    tile.z[j - n].set(l, self.rhs[i].get(l).max(0.0));
-                    tile.alpha[j - n].set(l, true);
-                }
+        let values = &mut self.values[..2 * n + 1];
+        values.fill(X::splat(-1.0));
+        let zero = X::splat(0.0);
+        for i in 0..n {
+            let value = self.rhs[i].max(zero);
+            for l in 0..X::LANES {
+                let label = self.basic[i].get(l) as isize + n as isize;
+                values[label as usize].set_from(l, &value);
             }
         }
+        for j in 0..n {
+            let value = values[n - 1 - j];
+            tile.z[j] = value.max(zero);
+            tile.alpha[j] = zero.le(value);
+        }
+        multiply::<X, N>(n, tile);
+    }
+
+    /// `z_a -= A_aa^-1 w_a` for the lanes of `which`, the inverse read off the final tableau, then w again. What cancels
+    /// was rounding error.
+    #[inline(always)]
+    pub fn refine<const N: usize>(&mut self, n: usize, tile: &mut Tile<X>, which: X::Mask) {
+        let n = if N == 0 { n } else { N };
+        let s = n + 1;
+        self.row.fill(X::splat(0.0));
+        for k in 0..n {
+            let w = tile.w[k].only(tile.alpha[k]);
+            for l in 0..X::LANES {
+                self.row[self.place[k].get(l) as usize].set_from(l, &w);
+            }
+        }
+        for i in 0..n {
+            let mut step = X::splat(0.0);
+            for j in 0..s {
+                step = step.add_product(self.t[i * s + j], self.row[j]);
+            }
+            let value = self.rhs[i].max(X::splat(0.0));
+            let better = value.sub(step);
+            let better = better.only(value.mul(X::splat(CANCELLED)).lt(better));
+            self.rhs[i] = better.or_else(which, self.rhs[i]);
+        }
+        self.harvest::<N>(n, tile);
     }
 }

@@ -5,11 +5,13 @@
 //! number of threads.
 
 mod io;
+mod lanes;
 mod lemke_lanes;
+mod minors;
 mod newton;
 mod schedule;
 mod work;
 
-pub use io::{Alpha, Guess, Output, Problems, Settings, Source};
+pub use io::{Alpha, Guess, Numbers, Output, Problems, Settings, Source};
 pub use schedule::solve_batch;
 pub use work::METHODS;

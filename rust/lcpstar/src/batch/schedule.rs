@@ -16,7 +16,7 @@ const CHUNK_NUMBERS: usize = 16_384;
 ///
 /// # Errors
 /// `NotFinite` names the first problem with a NaN or an infinity; `OutOfRange` for `tol`.
-pub fn solve_batch(problems: &Problems<'_, f64>, settings: &Settings<'_>, output: Output<'_>) -> Result<bool> {
+pub fn solve_batch(problems: &Problems<'_>, settings: &Settings<'_>, output: Output<'_>) -> Result<bool> {
     if !(settings.tol > 0.0 && settings.tol < 1.0) {
         return Err(LcpError::OutOfRange { name: "tol", value: settings.tol, rule: "in (0, 1)" });
     }

@@ -14,7 +14,9 @@ use crate::status::{Status, Termination};
 /// Each part is treated as `solve` would treat it alone, on the caller's numbers, so islands get the same digits whatever
 /// stands beside them. A part without an answer sends the whole problem to the portfolio, unless a limit was hit.
 pub(super) fn auto(problem: &Equilibrated<'_>, settings: &Settings, control: &Control<'_>) -> Solution {
-    let Some(plan) = presolve::plan(problem.original) else { return portfolio::auto(problem, settings, control) };
+    let Some(plan) = presolve::plan(problem.original) else {
+        return portfolio::auto(problem, settings, control);
+    };
     let mut assembly = Assembly::new(problem, settings);
     let termination = assembly.solve(&plan, control);
     let spent = assembly.iterations;
@@ -81,7 +83,9 @@ impl<'a> Assembly<'a> {
         let lcp = presolve::subproblem(original, &part.indices, part.indices.iter().map(|&i| q(i)).collect());
         let z0 = self.settings.z0.as_ref().map(|z0| part.indices.iter().map(|&i| z0[i]).collect());
         let settings = Settings { z0, ..self.settings.clone() };
-        if let Some(solution) = small::solve(&lcp, &settings, control) {
+        if !small::block_pivoting_first(&lcp)
+            && let Some(solution) = small::solve_part(&lcp, &settings, control)
+        {
             return solution;
         }
         let problem = Equilibrated::new(&lcp);

@@ -3,21 +3,24 @@
 //! Deterministic; the first member whose point is certified (solved, or infeasible with a checked Farkas vector) answers
 //! and is named in the result. A member that fails costs its pivot budget, never the answer.
 
-use super::{Settings, support};
+use super::{Certify, Settings, small, support};
 use crate::certify::certify;
 use crate::control::Control;
 use crate::linalg::dd::Dd;
 use crate::methods::{
-    bilinear, block_pivoting, chandrasekaran, enumerate, feasibility, lemke, lemke_howson,
+    bilinear, block_pivoting, chandrasekaran, enumerate, feasibility, interior_point, lemke, lemke_howson,
     principal_pivoting as criss_cross,
 };
 use crate::problem::Lcp;
 use crate::scaling::Equilibrated;
+use crate::small::TINY_ORDER;
 use crate::solution::{Candidate, Solution};
 use crate::status::{Status, Termination};
 
 /// Order from which block pivoting is tried first: below it a few Lemke pivots cost less than one factorisation.
 const BLOCK_PIVOTING_FROM: usize = 24;
+/// Up to this order a guess is followed by Lemke's method before block pivoting starts from it.
+const WARM_PATH_FIRST_UP_TO: usize = 128;
 /// Largest order at which a dictionary in double-double arithmetic is still worth its 20-fold cost.
 const DOUBLE_DOUBLE_UP_TO: usize = 400;
 
@@ -75,17 +78,29 @@ fn rank(solution: &Solution) -> (u8, f64) {
     (class, solution.residual)
 }
 
-/// Lemke with d = e, then double-doubles, then random covering vectors.
+/// From the guess, if there is one; then Lemke with d = e, then double-doubles, then random covering vectors.
 pub(super) fn lemke(
     problem: &Equilibrated<'_>,
     restarts: usize,
     seed: u64,
-    tol: f64,
+    settings: &Settings,
     control: &Control<'_>,
 ) -> Solution {
-    let mut race = Race::new(problem, tol, control);
-    lemke_members(&mut race, restarts, seed);
+    let mut race = Race::new(problem, settings.tol, control);
+    if !from_guess(&mut race, settings) {
+        lemke_members(&mut race, restarts, seed);
+    }
     race.finish()
+}
+
+/// Lemke's method from the support of `z0`: few pivots when it is nearly right; when it fails, all else is as without it.
+fn from_guess(race: &mut Race<'_>, settings: &Settings) -> bool {
+    let Some(alpha) = settings.z0.as_deref().map(support).filter(|alpha| !alpha.is_empty()) else { return false };
+    let lcp = &race.problem.lcp;
+    race.run("lemke_warm", |control| {
+        let limit = control.max_iterations.unwrap_or(usize::MAX).min(20 + lcp.n());
+        lemke::lemke_from::<f64>(lcp, &alpha, &control.with_max_iterations(Some(limit)))
+    })
 }
 
 /// Criss-cross in doubles, then in double-doubles where rounding hid a proof.
@@ -100,7 +115,8 @@ pub(super) fn principal_pivoting(problem: &Equilibrated<'_>, tol: f64, control: 
     race.finish()
 }
 
-/// See the module. Members: Chandrasekaran (Z), block pivoting (P-like), Lemke-Howson (bimatrix), Lemke and its restarts.
+/// See the module. Members: Chandrasekaran (Z), the guess, block pivoting (P-like), Lemke-Howson (bimatrix), Lemke and its
+/// restarts, the interior point method, successive linear programmes.
 pub(super) fn auto(problem: &Equilibrated<'_>, settings: &Settings, control: &Control<'_>) -> Solution {
     let mut race = Race::new(problem, settings.tol, control);
     let lcp = &problem.lcp;
@@ -110,10 +126,17 @@ pub(super) fn auto(problem: &Equilibrated<'_>, settings: &Settings, control: &Co
     {
         return race.finish();
     }
+    // The transform costs as much as many factorisations of a large block.
+    let warm_first = n <= WARM_PATH_FIRST_UP_TO;
+    if warm_first && from_guess(&mut race, settings) {
+        return race.finish();
+    }
     let positive_diagonal = (0..n).all(|i| lcp.row(i)[i] > 0.0);
     if n >= BLOCK_PIVOTING_FROM && positive_diagonal {
         let options = block_pivoting::Settings {
             alpha: settings.z0.as_deref().map(support),
+            murty: false,
+            shift: if n > TINY_ORDER && settings.certify == Certify::Float { SHIFT } else { 0.0 },
             ..block_pivoting::Settings::default()
         };
         let found = race.run("block_pivoting", |control| {
@@ -123,6 +146,15 @@ pub(super) fn auto(problem: &Equilibrated<'_>, settings: &Settings, control: &Co
         if found {
             return race.finish();
         }
+        if small::block_pivoting_first(problem.original)
+            && let Some(mut solution) = small::solve_part(problem.original, settings, control)
+        {
+            solution.iterations += race.iterations;
+            return solution;
+        }
+    }
+    if !warm_first && from_guess(&mut race, settings) {
+        return race.finish();
     }
     if lemke_howson::bimatrix_split(lcp).is_some() {
         for label in [0, n / 2, n - 1] {
@@ -135,6 +167,11 @@ pub(super) fn auto(problem: &Equilibrated<'_>, settings: &Settings, control: &Co
     if lemke_members(&mut race, super::DEFAULT_RESTARTS, 0) {
         return race.finish();
     }
+    // Frictional contact under a heavy load: the pivots that matter are as small as the rounding of redundant rows.
+    let options = interior_point::Settings::default();
+    if race.run("interior_point", |control| super::interior_point_candidate(problem, settings, &options, control)) {
+        return race.finish();
+    }
     let options = bilinear::Settings::default();
     if !race.run("bilinear", |control| bilinear::bilinear(lcp, &options, control)) && n <= ENUMERATE_UP_TO {
         race.run("enumerate", |control| enumerate::enumerate(lcp, control));
@@ -145,16 +182,25 @@ pub(super) fn auto(problem: &Equilibrated<'_>, settings: &Settings, control: &Co
 /// Largest order at which all index sets are tried when everything else has failed.
 const ENUMERATE_UP_TO: usize = 12;
 
+/// Shift of the diagonal for singular symmetric problems that the kernel is too small for: far above rounding, and so far
+/// below 1 that one proximal step makes up for it. Not where a proof is asked for, which needs a nonsingular basis.
+const SHIFT: f64 = 1e-10;
+
 /// Factorisations granted to block pivoting before the portfolio moves on.
 const BLOCK_PIVOTING_BUDGET: usize = 25;
 
 /// One linear programme decides whether FEA(q, A) is empty, whatever the class of A: the ray of Lemke's method need not.
 fn feasible_point(lcp: &Lcp, control: &Control<'_>) -> Candidate {
-    let found = feasibility::feasibility(lcp, &control.with_max_iterations(None));
-    let stopped = Candidate::point(vec![0.0; lcp.n()], Termination::SecondaryRay, found.iterations);
+    let found = feasibility::feasibility(lcp, control);
+    let limited = control.max_iterations.is_some();
+    let ended = |termination| Candidate::point(vec![0.0; lcp.n()], termination, found.iterations);
     match found.verdict {
-        feasibility::Verdict::Infeasible(y) => Candidate { farkas: Some(y), ..stopped },
-        feasibility::Verdict::Feasible(_) | feasibility::Verdict::Stopped(_) => stopped,
+        feasibility::Verdict::Infeasible(y) => Candidate { farkas: Some(y), ..ended(Termination::Infeasible) },
+        feasibility::Verdict::Stopped(why @ (Termination::TimeLimit | Termination::Interrupted)) => ended(why),
+        feasibility::Verdict::Stopped(why @ Termination::IterationLimit) if limited => ended(why),
+        feasibility::Verdict::Feasible(_) | feasibility::Verdict::Stopped(_) => {
+            ended(Termination::Breakdown("a linear programme did not show that FEA(q, A) is empty"))
+        }
     }
 }
 

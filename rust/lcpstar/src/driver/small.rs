@@ -2,26 +2,39 @@
 
 use super::{Certify, Method, Settings};
 use crate::control::Control;
+use crate::linalg::kernels;
+use crate::presolve;
 use crate::problem::Lcp;
 use crate::residual::natural_residual;
-use crate::small::{TinySolution, solve_one};
+use crate::small::{TINY_ORDER, TinySolution, solve_one};
 use crate::solution::{Certificate, Solution};
 use crate::status::Status;
 
-/// Up to this order islands stay whole.
-const WHOLE_UP_TO: usize = 16;
+/// Up to this order the kernel goes before everything else; above it, block pivoting goes before it where it can.
+const FIRST_UP_TO: usize = 32;
 
-/// The kernel's verified answer, where the settings ask for nothing it cannot do. `None` says nothing about the problem.
+/// The kernel's verified answer, where presolve leaves the problem whole. `None` says nothing about the problem.
 pub(super) fn solve(lcp: &Lcp, settings: &Settings, control: &Control<'_>) -> Option<Solution> {
+    let n = lcp.n();
+    let whole = n <= TINY_ORDER && presolve::plan(lcp).is_none() && !block_pivoting_first(lcp);
+    if whole { solve_part(lcp, settings, control) } else { None }
+}
+
+/// Whether block pivoting is tried before the kernel: for symmetric A with a positive diagonal, above a certain order.
+pub(super) fn block_pivoting_first(lcp: &Lcp) -> bool {
+    let n = lcp.n();
+    n > FIRST_UP_TO && (0..n).all(|i| lcp.row(i)[i] > 0.0) && kernels::is_symmetric(n, lcp.a())
+}
+
+/// As [`solve`], for a problem that presolve has left in one part.
+pub(super) fn solve_part(lcp: &Lcp, settings: &Settings, control: &Control<'_>) -> Option<Solution> {
     let plain = matches!(settings.method, Method::Auto)
         && settings.z0.is_none()
         && settings.certify == Certify::Float
         && settings.tol > 0.0
         && settings.tol < 1.0
         && control.max_iterations.is_none();
-    // Above that order a zero may mean islands, which are solved apart.
-    let whole = lcp.n() <= WHOLE_UP_TO || lcp.a().iter().all(|&a| a != 0.0);
-    if plain && whole { solve_one(lcp.n(), lcp.a(), lcp.q(), settings.tol).map(|answer| solved(&answer)) } else { None }
+    if plain { solve_one(lcp.n(), lcp.a(), lcp.q(), settings.tol).map(|answer| solved(&answer)) } else { None }
 }
 
 /// The kernel verified its answer by the rule of [`certify`](crate::certify::certify).

@@ -191,6 +191,20 @@ impl RationalVec {
         self.numerators.iter().map(|x| ratio_to_f64(x, &self.denominator)).collect()
     }
 
+    /// As [`Self::to_f64`] times a power of two that brings the largest entry near 1: for a direction or a multiplier,
+    /// whose factor is free.
+    #[must_use]
+    pub fn direction_to_f64(&self) -> Vec<f64> {
+        let largest = self.numerators.iter().map(BigInt::bits).max().unwrap_or(0);
+        let shift = self.denominator.bits() as i64 - largest as i64;
+        if shift.abs() < 512 {
+            return self.to_f64();
+        }
+        let (up, down) = (shift.max(0), (-shift).max(0));
+        let denominator = &self.denominator << down;
+        self.numerators.iter().map(|x| ratio_to_f64(&(x << up), &denominator)).collect()
+    }
+
     /// Entries that are not zero.
     #[must_use]
     pub fn support(&self) -> Vec<usize> {

@@ -1,10 +1,11 @@
-//! Proofs on the given binary numbers: a solution from its support, a Farkas vector, a secondary ray.
+//! Proofs on the given binary numbers: a solution from its support.
 //!
 //! Nothing here trusts floating point: it proposes supports and filters signs under a rigorous error bound, and
 //! what it cannot decide is decided in integers.
 
-use super::dyadic::{RationalVec, Scaled, linear_form, ratio_to_f64};
-use super::padic::{Block, Unsolved, independent_rows_and_columns};
+use super::dyadic::{RationalVec, Scaled, linear_form};
+use super::padic::{Block, Unsolved};
+use super::rows::Rows;
 use crate::problem::Lcp;
 use num_bigint::BigInt;
 use num_traits::{Signed, Zero};
@@ -59,24 +60,13 @@ pub fn prove_solution(lcp: &Lcp, alpha: &[usize], stop: &dyn Fn() -> bool) -> Pr
     match block.and_then(|block| block.solve(&rhs, stop)) {
         Ok(part) => conclude(lcp, alpha, spread(lcp.n(), alpha, part), true),
         Err(Unsolved::Interrupted) => ProofOutcome::Interrupted,
-        Err(Unsolved::Singular) => prove_singular(lcp, alpha, &vec![0.0; lcp.n()], stop),
+        Err(Unsolved::Singular) => prove_singular(lcp, alpha, stop),
     }
 }
 
-/// As [`prove_solution`] with `alpha` the support of the approximate solution `z`, for a block that may be
-/// singular: the entries of `z` that the rows of `alpha` leave free keep their values.
-#[must_use]
-pub fn prove_near(lcp: &Lcp, z: &[f64], stop: &dyn Fn() -> bool) -> ProofOutcome {
-    let alpha: Vec<usize> = (0..lcp.n()).filter(|&i| z[i] > 0.0).collect();
-    match Block::new(alpha.len(), |i, j| lcp.row(alpha[i])[alpha[j]]) {
-        Ok(_) => prove_solution(lcp, &alpha, stop),
-        Err(_) => prove_singular(lcp, &alpha, z, stop),
-    }
-}
-
-fn prove_singular(lcp: &Lcp, alpha: &[usize], z: &[f64], stop: &dyn Fn() -> bool) -> ProofOutcome {
+fn prove_singular(lcp: &Lcp, alpha: &[usize], stop: &dyn Fn() -> bool) -> ProofOutcome {
     let k = alpha.len();
-    let values: Vec<f64> = alpha.iter().map(|&i| z[i]).collect();
+    let values = vec![0.0; k];
     let rows = Rows { count: k, entry: &|i, j| lcp.row(alpha[i])[alpha[j]], rhs: &|i| -lcp.q()[alpha[i]] };
     match rows.point_near(&values, stop) {
         Ok((part, rank)) => match conclude(lcp, alpha, spread(lcp.n(), alpha, part), false) {
@@ -169,191 +159,12 @@ impl<'a> WSigns<'a> {
 }
 
 /// `part` on `alpha`, zero elsewhere.
-fn spread(n: usize, alpha: &[usize], part: RationalVec) -> RationalVec {
+pub(super) fn spread(n: usize, alpha: &[usize], part: RationalVec) -> RationalVec {
     let mut numerators = vec![BigInt::zero(); n];
     for (&i, x) in alpha.iter().zip(part.numerators) {
         numerators[i] = x;
     }
     RationalVec { numerators, denominator: part.denominator }
-}
-
-/// Linear equations `sum_j entry(i, j) v_j = rhs(i)` with double coefficients.
-struct Rows<'a> {
-    count: usize,
-    entry: &'a dyn Fn(usize, usize) -> f64,
-    rhs: &'a dyn Fn(usize) -> f64,
-}
-
-impl Rows<'_> {
-    /// The exact solution of a maximal independent subset of the rows next to `v`: basic variables, taken among the
-    /// largest entries, are solved for, the others keep their values. Also the rank.
-    fn point_near(&self, v: &[f64], stop: &dyn Fn() -> bool) -> Result<(RationalVec, usize), Unsolved> {
-        let n = v.len();
-        let mut preference: Vec<usize> = (0..n).collect();
-        preference.sort_by(|&i, &j| v[j].total_cmp(&v[i]));
-        let (rows, columns) = independent_rows_and_columns(self.count, n, self.entry, &preference);
-        let rank = rows.len();
-        let mut basic = vec![false; n];
-        for &j in &columns {
-            basic[j] = true;
-        }
-        let fixed: Vec<f64> = (0..n).map(|j| if basic[j] { 0.0 } else { v[j] }).collect();
-        let fixed = RationalVec::from_f64(&fixed);
-        // The denominator is a power of two.
-        let scale = fixed.denominator.bits() as i64 - 1;
-        let rhs: Vec<Scaled> = rows
-            .iter()
-            .map(|&i| {
-                let terms = (0..n).map(|j| (-(self.entry)(i, j), &fixed.numerators[j]));
-                let sum = linear_form(terms.chain(std::iter::once(((self.rhs)(i), &fixed.denominator))));
-                Scaled { value: sum.value, exponent: sum.exponent - scale }
-            })
-            .collect();
-        let block = Block::new(rank, |i, j| (self.entry)(rows[i], columns[j]))?;
-        let solved = block.solve(&rhs, stop)?;
-        let numerators: Vec<BigInt> = fixed.numerators.iter().map(|x| x * &solved.denominator).collect();
-        let mut out = RationalVec { numerators, denominator: &fixed.denominator * &solved.denominator };
-        for (&j, x) in columns.iter().zip(&solved.numerators) {
-            out.numerators[j] = x * &fixed.denominator;
-        }
-        Ok((out, rank))
-    }
-}
-
-/// Whether the rational `y` is a Farkas vector: `y >= 0`, `A'y <= 0`, `q'y < 0`. Then FEA(q, A) is empty.
-#[must_use]
-pub fn check_farkas(lcp: &Lcp, y: &RationalVec) -> bool {
-    let n = lcp.n();
-    let support = y.support();
-    y.len() == n
-        && !y.numerators.iter().any(Signed::is_negative)
-        && linear_form(support.iter().map(|&i| (lcp.q()[i], &y.numerators[i]))).value.is_negative()
-        && (0..n).all(|j| !linear_form(support.iter().map(|&i| (lcp.row(i)[j], &y.numerators[i]))).value.is_positive())
-}
-
-/// [`check_farkas`] for doubles, read as the binary numbers they are.
-#[must_use]
-pub fn prove_farkas(lcp: &Lcp, y: &[f64]) -> bool {
-    check_farkas(lcp, &RationalVec::from_f64(y))
-}
-
-/// Entries below these fractions of the largest are taken for zeros, one after the other.
-const GUESSES: [f64; 5] = [1e-14, 1e-12, 1e-10, 1e-8, 1e-6];
-
-/// An exact Farkas vector next to the approximate `y`: small entries and nearly vanishing columns are guessed to be
-/// zero, the equations are solved exactly with `q'y = q'y` of the doubles, and the result is checked.
-#[must_use]
-pub fn repair_farkas(lcp: &Lcp, y: &[f64], stop: &dyn Fn() -> bool) -> Option<RationalVec> {
-    let n = lcp.n();
-    let largest = y.iter().fold(0.0, |m: f64, x| m.max(*x));
-    if largest <= 0.0 || !largest.is_finite() {
-        return None;
-    }
-    for tolerance in GUESSES {
-        let support: Vec<usize> = (0..n).filter(|&i| y[i] > tolerance * largest).collect();
-        let clamped: Vec<f64> = (0..n).map(|i| if y[i] > tolerance * largest { y[i] } else { 0.0 }).collect();
-        if prove_farkas(lcp, &clamped) {
-            return Some(RationalVec::from_f64(&clamped));
-        }
-        let tight: Vec<usize> = (0..n)
-            .filter(|&j| {
-                let terms = support.iter().map(|&i| lcp.row(i)[j] * y[i]);
-                let (sum, size) = terms.fold((0.0, 0.0), |(s, m): (f64, f64), t| (s + t, m + t.abs()));
-                size > 0.0 && sum.abs() <= tolerance.max(1e-13) * size
-            })
-            .collect();
-        let normal: f64 = support.iter().map(|&i| lcp.q()[i] * y[i]).sum();
-        if normal >= 0.0 || !normal.is_finite() {
-            continue;
-        }
-        // The first row is the normalisation.
-        let entry = |r: usize, j: usize| match r {
-            0 => lcp.q()[support[j]],
-            r => lcp.row(support[j])[tight[r - 1]],
-        };
-        let rows = Rows { count: tight.len() + 1, entry: &entry, rhs: &|r| if r == 0 { normal } else { 0.0 } };
-        let values: Vec<f64> = support.iter().map(|&i| y[i]).collect();
-        match rows.point_near(&values, stop) {
-            Ok((part, _)) => {
-                let exact = spread(n, &support, part);
-                if check_farkas(lcp, &exact) {
-                    return Some(exact);
-                }
-            }
-            Err(Unsolved::Interrupted) => return None,
-            Err(Unsolved::Singular) => {}
-        }
-    }
-    None
-}
-
-/// A secondary ray of Lemke's method: `z >= 0`, `z != 0`, `z0 >= 0`, `w = A z + d z0 >= 0`, `z'w = 0`.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct ExactRay {
-    /// Direction of `z`.
-    pub z: RationalVec,
-    /// Direction of `z_0`: numerator over `z.denominator`.
-    pub z0: BigInt,
-}
-
-/// Whether `ray` is a ray for the covering vector `d`.
-#[must_use]
-pub fn check_ray(lcp: &Lcp, d: &[f64], ray: &ExactRay) -> bool {
-    ray.z.numerators.iter().all(|x| !x.is_negative())
-        && ray.z.numerators.iter().any(|x| !x.is_zero())
-        && !ray.z0.is_negative()
-        && (0..lcp.n()).all(|i| {
-            let terms = lcp.row(i).iter().copied().zip(&ray.z.numerators);
-            let w = linear_form(terms.chain(std::iter::once((d[i], &ray.z0)))).value;
-            w.is_zero() || (w.is_positive() && ray.z.numerators[i].is_zero())
-        })
-}
-
-/// An exact secondary ray next to the approximate `(z, z0)`.
-#[must_use]
-pub fn prove_ray(lcp: &Lcp, d: &[f64], z: &[f64], z0: f64, stop: &dyn Fn() -> bool) -> Option<ExactRay> {
-    let n = lcp.n();
-    let largest = z.iter().fold(0.0, |m: f64, x| m.max(*x));
-    if largest <= 0.0 || !largest.is_finite() {
-        return None;
-    }
-    for tolerance in GUESSES {
-        let support: Vec<usize> = (0..n).filter(|&i| z[i] > tolerance * largest).collect();
-        let with_z0 = z0 > tolerance * largest;
-        let mut values: Vec<f64> = support.iter().map(|&i| z[i]).collect();
-        if with_z0 {
-            values.push(z0);
-        }
-        let column = |i: usize, j: usize| if j < support.len() { lcp.row(i)[support[j]] } else { d[i] };
-        let is_tight = |i: usize| {
-            let terms = values.iter().enumerate().map(|(j, v)| column(i, j) * v);
-            let (sum, size) = terms.fold((0.0, 0.0), |(s, m): (f64, f64), t| (s + t, m + t.abs()));
-            size > 0.0 && sum.abs() <= tolerance.max(1e-13) * size
-        };
-        let tight: Vec<usize> = (0..n).filter(|&i| z[i] > tolerance * largest || is_tight(i)).collect();
-        // The first row keeps the sum of z.
-        let total: f64 = support.iter().map(|&i| z[i]).sum();
-        let entry = |r: usize, j: usize| match r {
-            0 => f64::from(u8::from(j < support.len())),
-            r => column(tight[r - 1], j),
-        };
-        let rows = Rows { count: tight.len() + 1, entry: &entry, rhs: &|r| if r == 0 { total } else { 0.0 } };
-        let Ok((part, _)) = rows.point_near(&values, stop) else {
-            continue;
-        };
-        let z0 = if with_z0 { part.numerators[support.len()].clone() } else { BigInt::zero() };
-        let ray = ExactRay { z: spread(n, &support, part), z0 };
-        if check_ray(lcp, d, &ray) {
-            return Some(ray);
-        }
-    }
-    None
-}
-
-/// `z0` of an exact ray, rounded.
-#[must_use]
-pub fn ray_z0(ray: &ExactRay) -> f64 {
-    ratio_to_f64(&ray.z0, &ray.z.denominator)
 }
 
 #[cfg(test)]
@@ -459,27 +270,7 @@ mod tests {
     fn a_singular_block_with_a_consistent_system_is_proved() {
         let p = lcp(2, &[1.0, 1.0, 1.0, 1.0], &[-1.0, -1.0]);
         assert!(matches!(prove_solution(&p, &[0, 1], &never), ProofOutcome::Proved(_)));
-        let ProofOutcome::Proved(s) = prove_near(&p, &[0.25, 0.75], &never) else { panic!("not proved") };
-        assert_eq!(s.z.to_f64(), [0.25, 0.75]);
         let bad = lcp(2, &[1.0, 1.0, 1.0, 1.0], &[-1.0, -2.0]);
         assert_eq!(prove_solution(&bad, &[0, 1], &never), ProofOutcome::Singular { rank: 1 });
-    }
-
-    #[test]
-    fn a_farkas_vector_is_checked_and_repaired() {
-        let p = lcp(2, &[0.0, -0.1, -0.3, 0.0], &[1.0, -1.0]);
-        assert!(prove_farkas(&p, &[0.0, 1.0]));
-        assert!(!prove_farkas(&p, &[1.0, 0.0]));
-        let skew = lcp(2, &[0.0, 0.7, -0.7, 0.0], &[0.0, -1.0]);
-        assert!(repair_farkas(&skew, &[1e-17, 1.0], &never).is_some());
-    }
-
-    #[test]
-    fn a_ray_is_made_exact() {
-        // Feasible direction of a skew matrix.
-        let p = lcp(2, &[0.0, -1.0 / 3.0, 1.0 / 3.0, 0.0], &[-1.0, -1.0]);
-        let ray = prove_ray(&p, &[1.0, 1.0], &[1.0, 1e-18], 0.0, &never).expect("ray");
-        assert!(check_ray(&p, &[1.0, 1.0], &ray));
-        assert!(prove_ray(&p, &[1.0, 1.0], &[0.0, 1.0], 0.0, &never).is_none());
     }
 }

@@ -14,7 +14,11 @@ const TELLING_QUOTIENT_BITS: u64 = 46;
 /// The answer is a guess, to be checked by the caller.
 #[must_use]
 pub fn rational(x: &BigInt, modulus: &BigInt) -> Option<(BigInt, BigInt)> {
-    let (mut r0, mut r1) = (modulus.clone(), x.mod_floor(modulus));
+    let x = x.mod_floor(modulus);
+    if x.is_zero() {
+        return Some((BigInt::zero(), BigInt::one()));
+    }
+    let (mut r0, mut r1) = (modulus.clone(), x);
     let (mut t0, mut t1) = (BigInt::zero(), BigInt::one());
     while !r1.is_zero() {
         if let Some([a, b, c, d]) = lehmer_step(&r0, &r1) {
@@ -30,8 +34,7 @@ pub fn rational(x: &BigInt, modulus: &BigInt) -> Option<(BigInt, BigInt)> {
         (r0, r1) = (r1, remainder);
         (t0, t1) = (t1, t2);
     }
-    // x = 0, or the remainder vanished: the last quotient is as telling as r0 is small.
-    (x.is_zero()).then(|| (BigInt::zero(), BigInt::one()))
+    None // the remainder vanished: no quotient was telling
 }
 
 /// The cofactors of several Euclidean steps read off the 62 leading bits, when at least one is certain.
@@ -97,6 +100,15 @@ mod tests {
         let inverse = b.modinv(&modulus).expect("unit");
         let x = (&a * inverse).mod_floor(&modulus);
         assert_eq!(rational(&x, &modulus), Some((a, b)));
+    }
+
+    /// Sums of residues are not reduced: a multiple of the modulus is the fraction 0.
+    #[test]
+    fn a_multiple_of_the_modulus_is_zero() {
+        let modulus: BigInt = BigInt::from((1u64 << 59) - 55).pow(3);
+        let zero = Some((BigInt::zero(), BigInt::one()));
+        assert_eq!(rational(&BigInt::zero(), &modulus), zero);
+        assert_eq!(rational(&(&modulus * 917_504), &modulus), zero);
     }
 
     #[test]

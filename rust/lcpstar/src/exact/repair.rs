@@ -1,11 +1,13 @@
-//! Exact pivoting from a basis that floating point proposed: Lemke's path, and the feasibility of FEA(q, A).
+//! Exact pivoting from a basis that floating point proposed: Lemke's path.
 //!
 //! No tableau is kept. The basis is a square block of `[A | d]` of the size of the basic z's; every pivot solves
 //! with it p-adically, so numbers never grow from pivot to pivot.
 
 use super::dyadic::{RationalVec, Scaled, linear_form};
 use super::padic::{Block, Unsolved, independent_rows_and_columns};
-use super::proof::{ExactRay, ExactSolution, ProofOutcome, prove_solution};
+use super::proof::{ExactSolution, ProofOutcome, prove_solution};
+use super::ray::ExactRay;
+use crate::pivoting::Var;
 use crate::problem::Lcp;
 use num_bigint::BigInt;
 use num_traits::{Signed, ToPrimitive, Zero};
@@ -54,24 +56,6 @@ pub fn prove(lcp: &Lcp, alpha: &[usize], stop: &dyn Fn() -> bool) -> Repaired {
     }
 }
 
-/// A member of a pair, or z_0.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Member {
-    W(usize),
-    Z(usize),
-    Z0,
-}
-
-impl Member {
-    fn complement(self) -> Option<Self> {
-        match self {
-            Member::W(i) => Some(Member::Z(i)),
-            Member::Z(i) => Some(Member::W(i)),
-            Member::Z0 => None,
-        }
-    }
-}
-
 /// Values of the basic variables over one positive denominator.
 struct Values {
     z: Vec<BigInt>,
@@ -109,7 +93,7 @@ impl<'a> Path<'a> {
             return Ok(Repaired::Solved(self.solution(&x.0, x.1), 0));
         };
         self.with_z0 = true;
-        let mut left = if self.start[worst] { Member::Z(worst) } else { Member::W(worst) };
+        let mut left = if self.start[worst] { Var::Z(worst) } else { Var::W(worst) };
         self.drop_basic(left);
         let mut pivots = 1;
         while let Some(driving) = left.complement() {
@@ -121,9 +105,9 @@ impl<'a> Path<'a> {
             };
             self.drop_basic(blocking);
             match driving {
-                Member::Z(i) => self.beta.push(i),
-                Member::W(i) => self.rho.retain(|&r| r != i),
-                Member::Z0 => {}
+                Var::Z(i) => self.beta.push(i),
+                Var::W(i) => self.rho.retain(|&r| r != i),
+                Var::Z0 => {}
             }
             pivots += 1;
             left = blocking;
@@ -132,11 +116,11 @@ impl<'a> Path<'a> {
         Ok(Repaired::Solved(self.solution(&x, denominator), pivots))
     }
 
-    fn drop_basic(&mut self, member: Member) {
+    fn drop_basic(&mut self, member: Var) {
         match member {
-            Member::W(i) => self.rho.push(i),
-            Member::Z(i) => self.beta.retain(|&j| j != i),
-            Member::Z0 => self.with_z0 = false,
+            Var::W(i) => self.rho.push(i),
+            Var::Z(i) => self.beta.retain(|&j| j != i),
+            Var::Z0 => self.with_z0 = false,
         }
     }
 
@@ -165,9 +149,9 @@ impl<'a> Path<'a> {
         // Every column is a vector of doubles c in w = A z + d z_0 + c.
         let c = |i: usize| match *column {
             Column::Q => self.lcp.q()[i],
-            Column::Of(Member::Z(s)) => self.lcp.row(i)[s],
-            Column::Of(Member::W(s)) => -f64::from(u8::from(i == s)),
-            Column::Of(Member::Z0) => self.d.iter().map(|part| part[i]).sum(),
+            Column::Of(Var::Z(s)) => self.lcp.row(i)[s],
+            Column::Of(Var::W(s)) => -f64::from(u8::from(i == s)),
+            Column::Of(Var::Z0) => self.d.iter().map(|part| part[i]).sum(),
             Column::Perturbation(j) if self.start[j] => -self.lcp.row(i)[j],
             Column::Perturbation(j) => f64::from(u8::from(i == j)),
         };
@@ -211,18 +195,18 @@ impl<'a> Path<'a> {
         value(least).is_negative().then_some(least)
     }
 
-    fn basic_members(&self) -> Vec<Member> {
-        let mut members: Vec<Member> = self.beta.iter().map(|&j| Member::Z(j)).collect();
-        members.push(Member::Z0);
-        members.extend((0..self.lcp.n()).filter(|i| !self.rho.contains(i)).map(Member::W));
+    fn basic_members(&self) -> Vec<Var> {
+        let mut members: Vec<Var> = self.beta.iter().map(|&j| Var::Z(j)).collect();
+        members.push(Var::Z0);
+        members.extend((0..self.lcp.n()).filter(|i| !self.rho.contains(i)).map(Var::W));
         members
     }
 
-    fn value<'v>(&self, x: &'v Values, member: Member) -> &'v BigInt {
+    fn value<'v>(&self, x: &'v Values, member: Var) -> &'v BigInt {
         match member {
-            Member::W(i) => &x.w[i],
-            Member::Z0 => &x.z0,
-            Member::Z(i) => {
+            Var::W(i) => &x.w[i],
+            Var::Z0 => &x.z0,
+            Var::Z(i) => {
                 let t = self.beta.iter().position(|&j| j == i).expect("invariant: z_i is basic");
                 &x.z[t]
             }
@@ -236,22 +220,22 @@ impl<'a> Path<'a> {
         x: &Values,
         direction: &Values,
         stop: &dyn Fn() -> bool,
-    ) -> Result<Option<Member>, Unsolved> {
-        let falling: Vec<Member> =
+    ) -> Result<Option<Var>, Unsolved> {
+        let falling: Vec<Var> =
             self.basic_members().into_iter().filter(|&m| self.value(direction, m).is_negative()).collect();
         let mut tied = self.least_ratios(&falling, x, direction);
         let mut j = 0;
-        while tied.len() > 1 && !tied.contains(&Member::Z0) && j < self.lcp.n() {
+        while tied.len() > 1 && !tied.contains(&Var::Z0) && j < self.lcp.n() {
             let (perturbed, _) = self.basic(block, &Column::Perturbation(j), stop)?;
             tied = self.least_ratios(&tied, &perturbed, direction);
             j += 1;
         }
-        Ok(if tied.contains(&Member::Z0) { Some(Member::Z0) } else { tied.first().copied() })
+        Ok(if tied.contains(&Var::Z0) { Some(Var::Z0) } else { tied.first().copied() })
     }
 
     /// The members with the least `x / -direction`.
-    fn least_ratios(&self, members: &[Member], x: &Values, direction: &Values) -> Vec<Member> {
-        let mut tied: Vec<Member> = Vec::new();
+    fn least_ratios(&self, members: &[Var], x: &Values, direction: &Values) -> Vec<Var> {
+        let mut tied: Vec<Var> = Vec::new();
         for &m in members {
             let order = tied.first().map_or(Ordering::Less, |&best| {
                 // Both directions are negative: x_m / -d_m < x_b / -d_b  iff  x_m d_b > x_b d_m.
@@ -278,12 +262,12 @@ impl<'a> Path<'a> {
         ExactSolution { alpha, z: RationalVec { numerators, denominator } }
     }
 
-    fn ray(&self, direction: Values, denominator: BigInt, driving: Member) -> Repaired {
+    fn ray(&self, direction: Values, denominator: BigInt, driving: Var) -> Repaired {
         let mut numerators = vec![BigInt::zero(); self.lcp.n()];
         for (&j, v) in self.beta.iter().zip(&direction.z) {
             numerators[j] = v.clone();
         }
-        if let Member::Z(s) = driving {
+        if let Var::Z(s) = driving {
             numerators[s] = denominator.clone();
         }
         Repaired::Ray(ExactRay { z: RationalVec { numerators, denominator }, z0: direction.z0 })
@@ -292,7 +276,7 @@ impl<'a> Path<'a> {
 
 enum Column {
     Q,
-    Of(Member),
+    Of(Var),
     Perturbation(usize),
 }
 
@@ -329,174 +313,11 @@ fn power_of_two(x: f64, e: i64) -> f64 {
     x * 2f64.powi(half) * 2f64.powi(e as i32 - half)
 }
 
-/// Whether FEA(q, A) is empty, with a proof either way.
-#[derive(Clone, Debug)]
-pub enum Feasibility {
-    /// `z >= 0`, `A z + q >= 0`.
-    Feasible(RationalVec),
-    /// A Farkas vector: `y >= 0`, `A'y <= 0`, `q'y < 0`.
-    Infeasible(RationalVec),
-    /// `stop` said so.
-    Interrupted,
-}
-
-/// Costs of the feasibility problem: fixed, positive and without relations, so that dual ties are improbable.
-#[must_use]
-pub fn costs(n: usize) -> Vec<f64> {
-    (0..n as u64)
-        .map(|j| {
-            let hash = (j + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ 0x5851_f42d_4c95_7f2d;
-            1.0 + (hash.wrapping_mul(0xd129_0d3b_3b2f_a6ad) >> 11) as f64 / (1u64 << 53) as f64
-        })
-        .collect()
-}
-
-/// Decides `{z >= 0, A z + q >= 0}` by exact pivoting from the basis with the z's `beta` basic and the w's of `rho`
-/// nonbasic, `|rho| = |beta|`; a singular start falls back to z = 0.
-///
-/// Dual simplex steps for [`costs`], from the last basis of a floating-point simplex usually none or a few; after
-/// `20 + 2 n` of them least-index (criss-cross) steps, which are finite from any basis. Every verdict is exact. Three
-/// p-adic solves a pivot. Call it on the equilibrated problem, in which the costs are of one size.
-#[must_use]
-pub fn feasibility(lcp: &Lcp, rho: &[usize], beta: &[usize], stop: &dyn Fn() -> bool) -> Feasibility {
-    let mut state = Crisscross { lcp, rho: rho.to_vec(), beta: beta.to_vec(), cost: costs(lcp.n()) };
-    let mut pivots = 0;
-    loop {
-        match state.step(pivots < 20 + 2 * lcp.n(), stop) {
-            Ok(Some(verdict)) => return verdict,
-            Ok(None) => pivots += 1,
-            Err(Unsolved::Singular) if !state.rho.is_empty() => {
-                (state.rho, state.beta) = (vec![], vec![]);
-            }
-            Err(_) => return Feasibility::Interrupted,
-        }
-    }
-}
-
-struct Crisscross<'a> {
-    lcp: &'a Lcp,
-    rho: Vec<usize>,
-    beta: Vec<usize>,
-    cost: Vec<f64>,
-}
-
-impl Crisscross<'_> {
-    /// One pivot, or the verdict. Variables are numbered z_0.., then w_0..; a dual simplex step takes the most negative
-    /// basic variable and the least ratio, another step the least index for both.
-    fn step(&mut self, dual_simplex: bool, stop: &dyn Fn() -> bool) -> Result<Option<Feasibility>, Unsolved> {
-        let (lcp, n, k) = (self.lcp, self.lcp.n(), self.rho.len());
-        let block = Block::new(k, |i, j| lcp.row(self.rho[i])[self.beta[j]])?;
-        let z = block.solve(&scaled(self.rho.iter().map(|&i| -lcp.q()[i])), stop)?;
-        let Some(leaving) = self.leaving(&z, dual_simplex) else {
-            let mut numerators = vec![BigInt::zero(); n];
-            for (&j, v) in self.beta.iter().zip(z.numerators) {
-                numerators[j] = v;
-            }
-            return Ok(Some(Feasibility::Feasible(RationalVec { numerators, denominator: z.denominator })));
-        };
-        // The row of the leaving variable: x = q'y + (A'y)_N z_N - y_rho w_rho, from one transposed solve.
-        let transposed = Block::new(k, |i, j| lcp.row(self.rho[j])[self.beta[i]])?;
-        let rhs = self.beta.iter().map(|&j| match leaving {
-            Member::W(i) => lcp.row(i)[j],
-            Member::Z(i) => f64::from(u8::from(i == j)),
-            Member::Z0 => 0.0,
-        });
-        let solved = transposed.solve(&scaled(rhs), stop)?;
-        let mut y = vec![BigInt::zero(); n];
-        for (&i, v) in self.rho.iter().zip(&solved.numerators) {
-            y[i] = -v;
-        }
-        if let Member::W(i) = leaving {
-            y[i] = solved.denominator.clone();
-        }
-        let column = |j: usize| linear_form((0..n).map(|i| (lcp.row(i)[j], &y[i])));
-        let rising_z = (0..n).filter(|j| !self.beta.contains(j)).map(|j| (Member::Z(j), column(j)));
-        let rising_w = self.rho.iter().map(|&i| (Member::W(i), Scaled { value: -&y[i], exponent: 0 }));
-        let rising: Vec<(Member, Scaled)> = rising_z.chain(rising_w).filter(|(_, x)| x.value.is_positive()).collect();
-        let entering = if dual_simplex {
-            let reduced = self.reduced_costs(&transposed, stop)?;
-            let ratio = |(m, x): &(Member, Scaled)| {
-                let x = RationalVec::from_scaled(vec![x.clone()], solved.denominator.clone()).to_f64()[0];
-                let cost = match *m {
-                    Member::Z(j) => reduced[j],
-                    Member::W(i) => reduced[n + i],
-                    Member::Z0 => 0.0,
-                };
-                cost.max(0.0) / x
-            };
-            rising.iter().map(|r| (r.0, ratio(r))).min_by(|a, b| a.1.total_cmp(&b.1)).map(|r| r.0)
-        } else {
-            rising.iter().map(|r| r.0).min_by_key(|&m| index(m, n))
-        };
-        match entering {
-            None => {
-                let y = RationalVec { numerators: y, denominator: solved.denominator };
-                return Ok(Some(Feasibility::Infeasible(y)));
-            }
-            Some(Member::Z(j)) => self.beta.push(j),
-            Some(Member::W(i)) => self.rho.retain(|&r| r != i),
-            Some(Member::Z0) => {}
-        }
-        match leaving {
-            Member::Z(j) => self.beta.retain(|&b| b != j),
-            Member::W(i) => self.rho.push(i),
-            Member::Z0 => {}
-        }
-        Ok(None)
-    }
-
-    /// A negative basic variable: the most negative one, or that of least index.
-    fn leaving(&self, z: &RationalVec, most_negative: bool) -> Option<Member> {
-        let (lcp, n) = (self.lcp, self.lcp.n());
-        let basic_z =
-            self.beta.iter().zip(&z.numerators).map(|(&j, v)| (Member::Z(j), Scaled { value: v.clone(), exponent: 0 }));
-        let basic_w = (0..n).filter(|i| !self.rho.contains(i)).map(|i| {
-            let terms = self.beta.iter().zip(&z.numerators).map(|(&j, v)| (lcp.row(i)[j], v));
-            (Member::W(i), linear_form(terms.chain(std::iter::once((lcp.q()[i], &z.denominator)))))
-        });
-        let negative = basic_z.chain(basic_w).filter(|(_, x)| x.value.is_negative());
-        if most_negative {
-            let size = |x: Scaled| RationalVec::from_scaled(vec![x], z.denominator.clone()).to_f64()[0];
-            negative.map(|(m, x)| (m, size(x))).min_by(|a, b| a.1.total_cmp(&b.1)).map(|r| r.0)
-        } else {
-            negative.map(|r| r.0).min_by_key(|&m| index(m, n))
-        }
-    }
-
-    /// Reduced costs of the nonbasic variables, rounded: z's, then w's.
-    fn reduced_costs(&self, transposed: &Block, stop: &dyn Fn() -> bool) -> Result<Vec<f64>, Unsolved> {
-        let n = self.lcp.n();
-        let u = transposed.solve(&scaled(self.beta.iter().map(|&j| self.cost[j])), stop)?;
-        let mut reduced = vec![0.0; 2 * n];
-        for (&i, x) in self.rho.iter().zip(u.to_f64()) {
-            reduced[n + i] = x;
-        }
-        for j in (0..n).filter(|j| !self.beta.contains(j)) {
-            let terms = self.rho.iter().zip(&u.numerators).map(|(&i, v)| (-self.lcp.row(i)[j], v));
-            let cost = linear_form(terms.chain(std::iter::once((self.cost[j], &u.denominator))));
-            reduced[j] = RationalVec::from_scaled(vec![cost], u.denominator.clone()).to_f64()[0];
-        }
-        Ok(reduced)
-    }
-}
-
-fn scaled(values: impl Iterator<Item = f64>) -> Vec<Scaled> {
-    values.map(Scaled::from_f64).collect()
-}
-
-/// The place of a variable in the order of least-index rules.
-fn index(member: Member, n: usize) -> usize {
-    match member {
-        Member::Z(j) => j,
-        Member::W(i) => n + i,
-        Member::Z0 => 2 * n,
-    }
-}
-
 #[cfg(test)]
 #[allow(clippy::panic)] // a test says what it found
 mod tests {
-    use super::super::proof::{check_farkas, check_ray, check_solution};
+    use super::super::proof::check_solution;
+    use super::super::ray::check_ray;
     use super::*;
 
     fn never() -> bool {
@@ -556,35 +377,5 @@ mod tests {
             let Repaired::Solved(again, pivots) = repair(&lcp, &s.alpha, &never) else { panic!("solved before") };
             assert_eq!((pivots, again.alpha), (0, s.alpha));
         }
-    }
-
-    #[test]
-    fn feasibility_is_proved_either_way() {
-        let mut draw = Draw(5);
-        let (mut yes, mut no) = (0, 0);
-        for n in [1, 2, 4, 6] {
-            for _ in 0..80 {
-                let a: Vec<f64> = (0..n * n).map(|_| draw.below(5) - 3.0).collect();
-                let q: Vec<f64> = (0..n).map(|_| draw.below(5) - 3.0).collect();
-                let lcp = Lcp::new(n, a, q).expect("valid");
-                match feasibility(&lcp, &[], &[], &never) {
-                    Feasibility::Feasible(z) => {
-                        assert!(z.numerators.iter().all(|x| !x.is_negative()));
-                        for i in 0..n {
-                            let row = lcp.row(i).iter().copied().zip(&z.numerators);
-                            let w = linear_form(row.chain(std::iter::once((lcp.q()[i], &z.denominator))));
-                            assert!(!w.value.is_negative());
-                        }
-                        yes += 1;
-                    }
-                    Feasibility::Infeasible(y) => {
-                        assert!(check_farkas(&lcp, &y));
-                        no += 1;
-                    }
-                    Feasibility::Interrupted => panic!("not asked to stop"),
-                }
-            }
-        }
-        assert!(yes > 50 && no > 50, "{yes} {no}");
     }
 }

@@ -2,6 +2,7 @@
 
 use super::Matrix;
 use crate::linalg::kernels::max_abs;
+use crate::residual::{ABSOLUTE, SPARSE_FLOOR, holds_alone};
 use crate::scaling::{Scaling, times_power_of_two};
 
 /// The residual to reach, measured on the equilibrated problem whatever problem the iteration runs on.
@@ -16,6 +17,8 @@ pub struct Goal {
     z_caller: Vec<f64>,
     w_caller: Vec<f64>,
     max_q: f64,
+    /// [`holds_alone`].
+    floor: f64,
 }
 
 /// The residual of the contract, and its numerator.
@@ -26,9 +29,6 @@ pub struct Measure {
     /// `max|min(z', w')|`.
     pub natural: f64,
 }
-
-/// `certify` bounds `max|min(z', w')|` by the larger of `tol` and this.
-const ABSOLUTE: f64 = 1e-6;
 
 impl Goal {
     /// The goal of an iteration on the problem scaled by `scaling`, measured on that scaled by `target`. `q` is the caller's.
@@ -45,7 +45,14 @@ impl Goal {
             z_caller: factors(&|i| scaling.columns[i] - scaling.q),
             w_caller: factors(&|i| -scaling.rows[i] - scaling.q),
             max_q: max_abs(q),
+            floor: 0.0,
         }
+    }
+
+    /// The same for a sparse A.
+    #[must_use]
+    pub fn of_sparse(tol: f64, scaling: &Scaling, q: &[f64]) -> Self {
+        Self { floor: SPARSE_FLOOR, ..Self::new(tol, scaling, scaling, q) }
     }
 
     /// The goal of an iteration on the caller's numbers as they are.
@@ -80,22 +87,39 @@ impl Goal {
         Measure { residual: natural / largest, natural }
     }
 
-    /// Whether the point is as good as `certify` will ask: both views, and every row in the caller's units.
+    /// Whether `certify` will accept the point, or the point without the smaller member of each pair. O(n^2) for a dense A.
     #[must_use]
     pub fn is_reached(&self, matrix: &impl Matrix, z: &[f64]) -> bool {
         let (w, magnitude) = matrix.slack(z);
-        let measure = self.measure(z, &w);
+        if self.accepts(z, &w, &magnitude) {
+            return true;
+        }
+        let smaller = |i: usize| z[i] * factor(&self.z_factor, i) < w[i] * factor(&self.w_factor, i);
+        let pairs: Vec<f64> = (0..z.len()).map(|i| if smaller(i) { 0.0 } else { z[i] }).collect();
+        let (w, magnitude) = matrix.slack(&pairs);
+        self.accepts(&pairs, &w, &magnitude)
+    }
+
+    /// The views of `certify`: both residuals, every row in the caller's units, and every row beside its own numbers.
+    fn accepts(&self, z: &[f64], w: &[f64], magnitude: &[f64]) -> bool {
         let allowed = 10.0 * self.tol * self.max_q;
-        self.may_be_reached(measure)
+        self.may_be_reached(self.measure(z, w))
             && (0..z.len()).all(|i| {
-                let (z, w) = (z[i] * self.z_caller[i], w[i] * self.w_caller[i]);
-                z.min(w).abs() <= allowed + 8.0 * f64::EPSILON * magnitude[i] * self.w_caller[i]
+                let g = factor(&self.w_factor, i);
+                let (caller_z, caller_w) = (z[i] * self.z_caller[i], w[i] * self.w_caller[i]);
+                caller_z.min(caller_w).abs() <= allowed + 8.0 * f64::EPSILON * magnitude[i] * self.w_caller[i]
+                    && holds_alone(z[i] * factor(&self.z_factor, i), w[i] * g, magnitude[i] * g, self.tol, self.floor)
             })
     }
 
     fn may_be_reached(&self, measure: Measure) -> bool {
         measure.residual <= self.tol && measure.natural <= self.tol.max(ABSOLUTE)
     }
+}
+
+/// Empty factors mean 1.
+fn factor(factors: &[f64], i: usize) -> f64 {
+    factors.get(i).copied().unwrap_or(1.0)
 }
 
 /// The best point so far: any stop returns it, so more iterations never give a worse one.

@@ -33,6 +33,98 @@ pub fn pivot(rows: &mut [f64], stride: usize, r: usize, c: usize, pivot_row: &[f
     }
 }
 
+/// `y += sum_k f_k x_k`, the `x_k` of `y.len()` numbers each, one after the other; lengths are multiples of [`LANES`].
+#[multiversion(targets("x86_64+avx512f", "x86_64+avx2+fma", "aarch64+neon"))]
+pub fn add_combination(y: &mut [f64], f: &[f64], x: &[f64]) {
+    let fused = target_cfg_f!(any(target_feature = "fma", target_feature = "avx512f", target_arch = "aarch64"));
+    let n = y.len();
+    for (b, y) in y.chunks_exact_mut(LANES).enumerate() {
+        let mut sums = [0.0; LANES];
+        sums.copy_from_slice(y);
+        for (k, &f) in f.iter().enumerate() {
+            let x = &x[k * n + b * LANES..][..LANES];
+            for l in 0..LANES {
+                sums[l] = if fused { f.mul_add(x[l], sums[l]) } else { sums[l] + f * x[l] };
+            }
+        }
+        y.copy_from_slice(&sums);
+    }
+}
+
+/// The ratios `values_i / (sign column_i)` where that rate exceeds `tol`, infinity elsewhere; returns the least.
+/// Lengths are multiples of [`LANES`].
+#[multiversion(targets("x86_64+avx512f", "x86_64+avx2+fma", "aarch64+neon"))]
+pub fn ratios(values: &[f64], column: &[f64], sign: f64, tol: f64, ratios: &mut [f64]) -> f64 {
+    let mut least = [f64::INFINITY; LANES];
+    let numbers = values.chunks_exact(LANES).zip(column.chunks_exact(LANES));
+    for (ratios, (values, column)) in ratios.chunks_exact_mut(LANES).zip(numbers) {
+        for l in 0..LANES {
+            let rate = sign * column[l];
+            let ratio = if rate > tol { values[l] / rate } else { f64::INFINITY };
+            ratios[l] = ratio;
+            least[l] = if ratio < least[l] { ratio } else { least[l] };
+        }
+    }
+    least.iter().fold(f64::INFINITY, |m, &x| if x < m { x } else { m })
+}
+
+/// `max |x_i|` for a length that is a multiple of [`LANES`]; NaN counts as zero.
+#[multiversion(targets("x86_64+avx512f", "x86_64+avx2+fma", "aarch64+neon"))]
+pub fn largest(x: &[f64]) -> f64 {
+    let mut largest = [0.0_f64; LANES];
+    for x in x.chunks_exact(LANES) {
+        for l in 0..LANES {
+            let size = x[l].abs();
+            largest[l] = if size > largest[l] { size } else { largest[l] };
+        }
+    }
+    largest.iter().fold(0.0, |m: f64, x| m.max(*x))
+}
+
+/// One sweep of the projected Gauss-Seidel method for symmetric A with a positive diagonal, `w = A z + q` kept up to date;
+/// returns how many `z_i` became positive or zero. O(n^2), less the rows whose `z_i` does not move.
+#[multiversion(targets("x86_64+avx512f", "x86_64+avx2+fma", "aarch64+neon"))]
+pub fn gauss_seidel_sweep(a: &[f64], z: &mut [f64], w: &mut [f64]) -> usize {
+    let n = z.len();
+    let mut changed = 0;
+    for i in 0..n {
+        let row = &a[i * n..(i + 1) * n];
+        let (old, moved) = (z[i], z[i] - w[i] / row[i]);
+        let new = if moved > 0.0 { moved } else { 0.0 };
+        let step = new - old;
+        if step != 0.0 {
+            z[i] = new;
+            changed += usize::from((new > 0.0) != (old > 0.0));
+            for (w, a) in w.iter_mut().zip(row) {
+                *w += step * a;
+            }
+        }
+    }
+    changed
+}
+
+/// Whether a row-major matrix of order `n` is symmetric. O(n^2), by square tiles with one branch each.
+#[must_use]
+pub fn is_symmetric(n: usize, a: &[f64]) -> bool {
+    for i0 in (0..n).step_by(LANES) {
+        let rows = LANES.min(n - i0);
+        for j0 in (0..=i0).step_by(LANES) {
+            let columns = LANES.min(n - j0);
+            let mut differ = 0;
+            for l in 0..columns {
+                let transposed = &a[(j0 + l) * n + i0..][..rows];
+                for (k, x) in transposed.iter().enumerate() {
+                    differ += u32::from(*x != a[(i0 + k) * n + j0 + l]);
+                }
+            }
+            if differ != 0 {
+                return false;
+            }
+        }
+    }
+    true
+}
+
 /// Numbers handled together by the kernels that ask for padded rows.
 pub const LANES: usize = 8;
 
@@ -82,13 +174,25 @@ pub fn dot_compensated(start: f64, x: &[f64], y: &[f64]) -> (f64, f64) {
     let (xs, ys) = (x.chunks_exact(LANES), y.chunks_exact(LANES));
     let (x_tail, y_tail) = (xs.remainder(), ys.remainder());
     for (x, y) in xs.zip(ys) {
+        // One loop a step, each one vector instruction: together they are not vectorised.
+        let (mut p, mut e, mut s, mut t) = ([0.0; LANES], [0.0; LANES], [0.0; LANES], [0.0; LANES]);
         for l in 0..LANES {
-            let (p, e) = product(x[l], y[l]);
-            let (s, f) = two_sum(sum[l], p);
-            sum[l] = s;
-            error[l] += e + f;
-            magnitude[l] += p.abs();
+            (p[l], e[l]) = product(x[l], y[l]);
         }
+        for l in 0..LANES {
+            s[l] = sum[l] + p[l];
+        }
+        for l in 0..LANES {
+            t[l] = s[l] - sum[l];
+        }
+        for l in 0..LANES {
+            e[l] += (sum[l] - (s[l] - t[l])) + (p[l] - t[l]);
+        }
+        for l in 0..LANES {
+            error[l] += e[l];
+            magnitude[l] += p[l].abs();
+        }
+        sum = s;
     }
     let (mut s, mut c, mut m) = (start, 0.0, start.abs());
     for l in 0..LANES {
@@ -125,6 +229,20 @@ pub fn max_into(x: &[f64], m: &mut [f64]) -> f64 {
         *m = m.max(x.abs());
     }
     largest.iter().fold(0.0, |m: f64, x| m.max(*x))
+}
+
+/// Whether every number is finite: the sum of `0 x` is zero exactly then.
+#[multiversion(targets("x86_64+avx512f", "x86_64+avx2+fma", "aarch64+neon"))]
+pub fn all_finite(x: &[f64]) -> bool {
+    let mut poison = [0.0; LANES];
+    let chunks = x.chunks_exact(LANES);
+    let tail: f64 = chunks.remainder().iter().map(|x| 0.0 * x).sum();
+    for x in chunks {
+        for l in 0..LANES {
+            poison[l] += 0.0 * x[l];
+        }
+    }
+    poison.iter().sum::<f64>() + tail == 0.0
 }
 
 /// `max |x_i|`, 0 for the empty vector.

@@ -1,5 +1,7 @@
 //! Vectors, double-double sums and dense solves.
 
 pub mod backend;
+pub mod blocked;
 pub mod dd;
 pub mod kernels;
+pub mod update;

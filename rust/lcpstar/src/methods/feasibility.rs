@@ -4,10 +4,10 @@
 //! artificial column are needed, and random costs make dual ties (hence cycles) improbable. It ends with a feasible
 //! point or with a row `x_B = b_r + T_r x_N`, `b_r < 0`, `T_r <= 0`: a Farkas vector. [Chv83, ch. 10]
 //!
-//! A candidate, judged by `certify` or proved by [`repair`](crate::exact::repair::feasibility) from the last basis.
+//! A candidate, judged by `certify` or proved by [`exact`](crate::exact::feasibility::feasibility) from the last basis.
 
 use crate::control::Control;
-use crate::exact::repair::costs;
+use crate::exact::feasibility::costs;
 use crate::linalg::backend::DenseLu;
 use crate::linalg::kernels::axpy;
 use crate::problem::Lcp;
@@ -247,8 +247,8 @@ impl<'a> Simplex<'a> {
 mod tests {
     use super::*;
     use crate::exact::dyadic::linear_form;
-    use crate::exact::proof::{check_farkas, repair_farkas};
-    use crate::exact::repair;
+    use crate::exact::farkas::{check_farkas, repair_farkas};
+    use crate::exact::feasibility as exact;
 
     struct Draw(u64);
 
@@ -262,9 +262,9 @@ mod tests {
     /// Every float verdict is compared with the exact one from the same basis.
     fn compare(lcp: &Lcp) -> bool {
         let found = feasibility(lcp, &Control::default());
-        let exact = repair::feasibility(lcp, &found.rho, &found.beta, &|| false);
+        let exact = exact::feasibility(lcp, &found.rho, &found.beta, &|| false);
         match (found.verdict, exact) {
-            (Verdict::Feasible(z), repair::Feasibility::Feasible(_)) => {
+            (Verdict::Feasible(z), exact::Feasibility::Feasible(_)) => {
                 for i in 0..lcp.n() {
                     let w: f64 = lcp.row(i).iter().zip(&z).map(|(a, z)| a * z).sum::<f64>() + lcp.q()[i];
                     let size: f64 = lcp.row(i).iter().zip(&z).map(|(a, z)| (a * z).abs()).sum::<f64>() + 1.0;
@@ -272,7 +272,7 @@ mod tests {
                 }
                 true
             }
-            (Verdict::Infeasible(y), repair::Feasibility::Infeasible(exact)) => {
+            (Verdict::Infeasible(y), exact::Feasibility::Infeasible(exact)) => {
                 assert!(check_farkas(lcp, &exact));
                 let q = linear_form(lcp.q().iter().copied().zip(&exact.numerators));
                 assert!(q.value < num_bigint::BigInt::from(0));

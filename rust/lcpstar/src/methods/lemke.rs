@@ -7,7 +7,7 @@
 //! (PSD, copositive plus, row sufficient, the paper's tilde class), P0 and Q0, or Z, a ray means FEA(q, A) is empty.
 
 use crate::control::Control;
-use crate::pivoting::{Dictionary, Entering, Real, Var, basis};
+use crate::pivoting::{Dictionary, Entering, Real, Tableau, Var, basis};
 use crate::problem::Lcp;
 use crate::solution::{Candidate, Ray};
 use crate::status::Termination;
@@ -35,7 +35,7 @@ pub fn lemke<T: Real>(lcp: &Lcp, settings: &Settings, control: &Control<'_>) -> 
     }
     let ones = vec![1.0; n];
     let d = settings.d.as_deref().unwrap_or(&ones);
-    let mut dictionary = Dictionary::<T>::new(lcp, d);
+    let mut dictionary = T::Path::of(lcp, d);
     let (termination, iterations, driving) = follow_path(&mut dictionary, control, default_limit(n));
     let (z, z0) = dictionary.point();
     let alpha = dictionary.basic_z();
@@ -54,9 +54,43 @@ pub fn lemke<T: Real>(lcp: &Lcp, settings: &Settings, control: &Control<'_>) -> 
     }
 }
 
+/// Lemke's method on the principal transform at `alpha`, with a covering vector chosen there: no pivot when `alpha` solves the
+/// problem, few when it is nearly right. `iterations` counts the pivots of the path, not those of the transform.
+///
+/// A singular `A[alpha, alpha]` is used as far as it is nonsingular. A ray says nothing about LCP(q, A), so none is handed
+/// over. O(n^2) for each index of `alpha` and each pivot. [CPS92, sec. 2.3, 4.4]
+pub fn lemke_from<T: Real>(lcp: &Lcp, alpha: &[usize], control: &Control<'_>) -> Candidate {
+    let n = lcp.n();
+    let mut dictionary = Dictionary::<T>::new(lcp, &vec![0.0; n]);
+    let start = dictionary.pivot_to(alpha);
+    dictionary.restart(|_| 1.0);
+    let solved = (0..n).all(|r| dictionary.value(r).to_f64() >= 0.0);
+    let (termination, iterations, _) = if solved {
+        (Termination::ComplementaryBasis, 0, None)
+    } else {
+        follow_path(&mut dictionary, control, default_limit(n))
+    };
+    // In the transform the pairs of `start` have traded places.
+    let mut inside = vec![false; n];
+    start.iter().chain(&dictionary.basic_z()).for_each(|&i| inside[i] = !inside[i]);
+    let alpha: Vec<usize> = (0..n).filter(|&i| inside[i]).collect();
+    let (mut z, w) = (dictionary.point().0, dictionary.slacks());
+    start.iter().for_each(|&i| z[i] = w[i]);
+    match termination {
+        Termination::ComplementaryBasis => {}
+        Termination::SecondaryRay => {
+            let reason = Termination::Breakdown("the path from the guess ended on a ray, from which nothing follows");
+            return Candidate::point(z, reason, iterations);
+        }
+        _ => return Candidate::point(z, termination, iterations),
+    }
+    let z = basis::basic_point(lcp, &alpha).unwrap_or(z);
+    Candidate { alpha: Some(alpha), ..Candidate::point(z, termination, iterations) }
+}
+
 /// The path from the first pivot to its end. Returns how it ended, the pivots, and the driving column of a ray.
-fn follow_path<T: Real>(
-    dictionary: &mut Dictionary<T>,
+fn follow_path(
+    dictionary: &mut impl Tableau,
     control: &Control<'_>,
     default_limit: usize,
 ) -> (Termination, usize, Option<usize>) {

@@ -4,7 +4,7 @@
 //! `C` and `D'`; every covering vector d > 0 sends Lemke's method to a ray there, so the game's own path is followed.
 
 use crate::control::Control;
-use crate::pivoting::{Dictionary, Entering, Var, basis};
+use crate::pivoting::{DelayedDictionary, Entering, Tableau, Var, basis};
 use crate::problem::Lcp;
 use crate::solution::Candidate;
 use crate::status::Termination;
@@ -43,8 +43,7 @@ pub fn lemke_howson(lcp: &Lcp, settings: &Settings, control: &Control<'_>) -> Ca
             0,
         );
     };
-    let game = payoff_form(lcp, m);
-    let mut dictionary = Dictionary::<f64>::new(&game, &vec![0.0; n]);
+    let mut players = payoff_form(lcp, m);
     let label = settings.label % n;
     let mut driving = Var::Z(label);
     let mut iterations = 0;
@@ -52,20 +51,22 @@ pub fn lemke_howson(lcp: &Lcp, settings: &Settings, control: &Control<'_>) -> Ca
         if let Some(reason) = control.stop(iterations, super::lemke::default_limit(n)) {
             break reason;
         }
-        let Some(s) = dictionary.column_of(driving) else {
+        let column = |player: &DelayedDictionary| player.column_of(driving);
+        let Some((player, s)) = players.iter_mut().find_map(|player| column(player).map(|s| (player, s))) else {
             break Termination::Breakdown("the driving variable is not nonbasic");
         };
-        let Some(row) = dictionary.blocking_row(s, Entering::Increasing) else {
+        let Some(row) = player.blocking_row(s, Entering::Increasing) else {
             break Termination::Breakdown("the path of a bimatrix game is unbounded");
         };
-        let left = dictionary.exchange(row, s);
+        let left = player.exchange(row, s);
         iterations += 1;
         if left == Var::W(label) || left == Var::Z(label) {
             break Termination::ComplementaryBasis;
         }
         driving = left.complement().unwrap_or(Var::Z0);
     };
-    let alpha = dictionary.basic_z();
+    let mut alpha = [players[1].basic_z(), players[0].basic_z()].concat();
+    alpha.sort_unstable();
     match basis::basic_point(lcp, &alpha) {
         Some(z) if termination == Termination::ComplementaryBasis => {
             Candidate { alpha: Some(alpha), ..Candidate::point(z, termination, iterations) }
@@ -74,20 +75,20 @@ pub fn lemke_howson(lcp: &Lcp, settings: &Settings, control: &Control<'_>) -> Ca
     }
 }
 
-/// `v = 1 - (K - c) u`: the game in payoffs.
-fn payoff_form(lcp: &Lcp, m: usize) -> Lcp {
+/// `v = 1 - (K - c) u`, the game in payoffs: the rows of either player, who answers the strategies of the other. Nothing
+/// else couples the two, so that a pivot concerns one of them.
+fn payoff_form(lcp: &Lcp, m: usize) -> [DelayedDictionary; 2] {
     let n = lcp.n();
     let cost = |i: usize, j: usize| lcp.row(i)[j] / -lcp.q()[i];
-    let in_game = |i: usize, j: usize| (i < m) != (j < m);
-    let mut largest = 0.0_f64;
-    for i in 0..n {
-        for j in 0..n {
-            largest = largest.max(cost(i, j));
-        }
-    }
+    let sides = [(0..m, m..n), (m..n, 0..m)];
+    let largest = sides.iter().flat_map(|(own, others)| own.clone().map(move |i| (i, others.clone())));
+    let largest = largest.map(|(i, others)| others.map(|j| cost(i, j)).fold(0.0, f64::max)).fold(0.0, f64::max);
     let constant = 1.25 * largest;
-    let a = (0..n * n).map(|k| if in_game(k / n, k % n) { cost(k / n, k % n) / constant - 1.0 } else { 0.0 }).collect();
-    Lcp::trusted(n, a, vec![1.0; n])
+    sides.map(|(own, others)| {
+        let basic = own.clone().map(|i| (Var::W(i), 1.0)).collect();
+        let entry = |r: usize, c: usize| cost(own.start + r, others.start + c) / constant - 1.0;
+        DelayedDictionary::new(n, basic, others.clone().map(Var::Z).collect(), entry)
+    })
 }
 
 #[cfg(test)]

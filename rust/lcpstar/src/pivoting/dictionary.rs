@@ -1,5 +1,8 @@
 //! The condensed dictionary of a complementary pivoting method, and the one ratio test.
 
+mod restart;
+
+use super::path::Tableau;
 use super::real::Real;
 use super::var::Var;
 use crate::linalg::kernels;
@@ -134,10 +137,12 @@ impl<T: Real> Dictionary<T> {
         self.scatter(|r| self.value(r).to_f64())
     }
 
-    /// `(z, z_0)` of the direction in which column `s` increases.
+    /// `(z, z_0)` of the direction in which column `s` increases; what is rounding error beside the column is zero.
     #[must_use]
     pub fn direction(&self, s: usize) -> (Vec<f64>, f64) {
-        let (mut z_hat, mut z0_hat) = self.scatter(|r| self.coefficient(r, s).to_f64().max(0.0));
+        let rate = |r: usize| self.coefficient(r, s).to_f64();
+        let noise = tie_tolerance::<T>(self.n) * (0..self.n).map(|r| rate(r).abs()).fold(0.0, f64::max);
+        let (mut z_hat, mut z0_hat) = self.scatter(|r| if rate(r) > noise { rate(r) } else { 0.0 });
         match self.nonbasic[s] {
             Var::Z(i) => z_hat[i] = 1.0,
             Var::Z0 => z0_hat = 1.0,
@@ -238,10 +243,40 @@ impl<T: Real> Dictionary<T> {
     }
 }
 
+impl<T: Real> Tableau for Dictionary<T> {
+    fn of(lcp: &Lcp, d: &[f64]) -> Self {
+        Self::new(lcp, d)
+    }
+
+    fn column_of(&self, var: Var) -> Option<usize> {
+        self.column_of(var)
+    }
+
+    fn blocking_row(&mut self, s: usize, entering: Entering) -> Option<usize> {
+        self.blocking_row(s, entering)
+    }
+
+    fn exchange(&mut self, r: usize, s: usize) -> Var {
+        self.exchange(r, s)
+    }
+
+    fn basic_z(&self) -> Vec<usize> {
+        self.basic_z()
+    }
+
+    fn point(&self) -> (Vec<f64>, f64) {
+        self.point()
+    }
+
+    fn direction(&self, s: usize) -> (Vec<f64>, f64) {
+        self.direction(s)
+    }
+}
+
 /// `tol_pivot = PIVOT max|column|`, in doubles; scaled by the ratio of the rounding errors in other arithmetic.
-const PIVOT: f64 = 1e-11;
+pub(super) const PIVOT: f64 = 1e-11;
 
 /// Numbers `x_r` tie when they differ by less than `64 sqrt(n) EPS max|x|`: what n pivots leave of equality.
-fn tie_tolerance<T: Real>(n: usize) -> f64 {
+pub(super) fn tie_tolerance<T: Real>(n: usize) -> f64 {
     64.0 * (n as f64).sqrt() * T::EPSILON
 }

@@ -1,12 +1,16 @@
 //! Complementary pairs, principal pivot transforms and dictionaries: what the pivoting methods share.
 
 pub mod basis;
+pub mod delayed;
 pub mod dictionary;
 pub mod finish;
+pub mod path;
 pub mod real;
 pub mod transform;
 pub mod var;
 
+pub use delayed::DelayedDictionary;
 pub use dictionary::{Dictionary, Entering};
+pub use path::Tableau;
 pub use real::Real;
 pub use var::Var;

@@ -1,5 +1,8 @@
 //! The arithmetic a dictionary is kept in: doubles for speed, double-doubles when doubles have lost the thread.
 
+use super::delayed::DelayedDictionary;
+use super::dictionary::Dictionary;
+use super::path::Tableau;
 use crate::linalg::dd::Dd;
 use crate::linalg::kernels;
 use std::fmt::Debug;
@@ -20,6 +23,9 @@ pub trait Real:
     /// Relative rounding error of one operation.
     const EPSILON: f64;
 
+    /// The tableau in which a path is followed.
+    type Path: Tableau;
+
     /// Rounded to double.
     fn to_f64(self) -> f64;
 
@@ -29,6 +35,8 @@ pub trait Real:
 
 impl Real for f64 {
     const EPSILON: f64 = f64::EPSILON;
+
+    type Path = DelayedDictionary;
 
     fn to_f64(self) -> f64 {
         self
@@ -41,6 +49,8 @@ impl Real for f64 {
 
 impl Real for Dd {
     const EPSILON: f64 = Self::EPSILON;
+
+    type Path = Dictionary<Self>;
 
     fn to_f64(self) -> f64 {
         self.hi

@@ -3,7 +3,7 @@
 use crate::error::{LcpError, Result};
 use crate::linalg::backend::{DenseLu, rank};
 use crate::pivoting::basis::principal_block;
-use crate::problem::Lcp;
+use crate::problem::{Lcp, check_finite, check_finite_matrix};
 use crate::scaling::{Equilibrated, times_power_of_two};
 
 /// LCP(p, M): the principal pivot transform of LCP(q, A) on `alpha`, in which `w_alpha` and `z_alpha` trade places:
@@ -13,7 +13,8 @@ use crate::scaling::{Equilibrated, times_power_of_two};
 ///
 /// # Errors
 /// `BadIndex` for an index out of range or repeated; `SingularBlock` when `A[alpha, alpha]` is singular to rounding
-/// (rank by complete pivoting on the equilibrated block, threshold `|alpha| EPS`).
+/// (rank by complete pivoting on the equilibrated block, threshold `|alpha| EPS`); `NotFinite` for an entry of M or p beyond
+/// the range of doubles.
 pub fn principal_pivot_transform(lcp: &Lcp, alpha: &[usize]) -> Result<Lcp> {
     let n = lcp.n();
     let mut in_alpha = vec![false; n];
@@ -80,7 +81,9 @@ pub fn principal_pivot_transform(lcp: &Lcp, alpha: &[usize]) -> Result<Lcp> {
         }
         p[i] = lcp.q()[i] - product[n];
     }
-    Lcp::new(n, a, p)
+    check_finite_matrix("M", &a, n)?;
+    check_finite("p", &p)?;
+    Ok(Lcp::trusted(n, a, p))
 }
 
 #[cfg(test)]
@@ -97,6 +100,13 @@ mod tests {
         for (found, expected) in m.a().iter().zip(expected) {
             assert!((found - expected).abs() < 1e-15, "{found} {expected}");
         }
+    }
+
+    #[test]
+    fn an_entry_beyond_the_doubles_is_named() {
+        let lcp = Lcp::new(1, vec![1e-310], vec![1.0]).expect("valid");
+        let error = principal_pivot_transform(&lcp, &[0]).expect_err("1e310 is no double");
+        assert_eq!(error, LcpError::NotFinite { name: "M", index: vec![0, 0], value: f64::INFINITY });
     }
 
     #[test]

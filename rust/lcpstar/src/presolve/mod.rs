@@ -4,6 +4,7 @@
 //! islands, and the solution of the whole where they come one after the other.
 
 mod blocks;
+mod connected;
 mod zeros;
 
 use crate::problem::Lcp;
@@ -38,7 +39,7 @@ pub fn plan(lcp: &Lcp) -> Option<Plan> {
         return None;
     }
     let is_kept = zeros::kept(lcp);
-    if is_kept.is_none() && blocks::first_reaches_all(lcp) {
+    if is_kept.is_none() && (blocks::first_reaches_all(lcp) || connected::is_one_part(lcp)) {
         return None;
     }
     let mut parts = Vec::new();

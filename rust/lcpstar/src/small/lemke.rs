@@ -10,7 +10,7 @@
 //! largest pivot.
 
 use super::lane::{Lane, Mask};
-use super::verify::{Judged, verify_one};
+use super::verify::{Judged, is_small_when_equilibrated, verify_one};
 
 /// Numbers per row are padded to a multiple of this.
 const WIDTH: usize = 8;
@@ -50,7 +50,7 @@ pub(crate) const TIE: f64 = 1.0 + 1e-11;
 pub(crate) const NOISE: f64 = 1e-14;
 
 /// A correction that leaves less than this part of a value shows that the value was rounding error.
-const CANCELLED: f64 = 1e-8;
+pub(crate) const CANCELLED: f64 = 1e-8;
 
 /// The tableau and what belongs to it; grows to the largest problem it has seen.
 pub struct Tableau<X> {
@@ -116,7 +116,11 @@ impl<X: Lane<Number = f64>> Tableau<X> {
         if !self.found_basis {
             return None;
         }
-        let judged = self.verified(q, w, tol);
+        let mut judged = self.verified(q, w, tol);
+        if judged.unsettled {
+            let z: Vec<f64> = (0..n).map(|j| self.z(j)).collect();
+            judged.solved = is_small_when_equilibrated(n, a, q, &z, w, tol);
+        }
         judged.solved.then_some(judged)
     }
 
@@ -314,7 +318,7 @@ impl<X: Lane<Number = f64>> Tableau<X> {
         }
         let mut judged = self.judge(q, w, tol);
         for _ in 0..REFINEMENTS {
-            if judged.solved {
+            if judged.solved || judged.unsettled {
                 break;
             }
             self.refine(w);

@@ -17,7 +17,7 @@ use std::cell::RefCell;
 use std::thread::LocalKey;
 
 /// Largest order that [`solve_one`] takes.
-pub const TINY_ORDER: usize = 32;
+pub const TINY_ORDER: usize = 64;
 
 /// A verified solution.
 #[derive(Clone, Copy, Debug)]

@@ -15,7 +15,7 @@ const REFINEMENTS: usize = 3;
 /// A last correction above this fraction calls for another factorisation.
 const ACCURATE: f64 = 1e-8;
 /// A first correction below this fraction: solves with this factorisation are good as they are.
-const GOOD: f64 = 1e-11;
+const GOOD: f64 = 1e-9;
 /// Refinement ends when a correction is below this fraction of the solution.
 const REFINED: f64 = 1e-13;
 /// Centrality correctors at most, and the growth of the step that each must bring.
@@ -105,11 +105,15 @@ impl Iterate {
         }
     }
 
-    /// Residuals of the model at this point. Two products with A.
+    /// Residuals of the model at this point. Two products with A, one when it is symmetric.
     pub fn update_residuals(&mut self, system: &impl NewtonSystem) {
         let q = system.q();
         system.multiply(&self.z, &mut self.az);
-        system.multiply_transposed(&self.z, &mut self.gradient);
+        if system.is_symmetric() {
+            self.gradient.copy_from_slice(&self.az);
+        } else {
+            system.multiply_transposed(&self.z, &mut self.gradient);
+        }
         for i in 0..self.z.len() {
             self.gradient[i] = (self.gradient[i] + self.az[i]) / self.tau + q[i];
             self.r_p[i] = self.w[i] - self.az[i] - self.tau * q[i];

@@ -77,6 +77,10 @@ impl NewtonSystem for Sparse<'_> {
         }
     }
 
+    fn is_symmetric(&self) -> bool {
+        self.symmetric
+    }
+
     fn residual(&self, d: &[f64], x: &[f64], b: &[f64], y: &mut [f64]) {
         let mut gathered = Vec::new();
         for i in 0..y.len() {

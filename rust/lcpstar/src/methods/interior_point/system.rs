@@ -17,6 +17,8 @@ pub trait NewtonSystem {
     fn multiply(&self, x: &[f64], y: &mut [f64]);
     /// `y = A' x`.
     fn multiply_transposed(&self, x: &[f64], y: &mut [f64]);
+    /// Whether A = A'.
+    fn is_symmetric(&self) -> bool;
     /// `y = b - (A + diag(d)) x` in twice the working precision.
     fn residual(&self, d: &[f64], x: &[f64], b: &[f64], y: &mut [f64]);
     /// Factors `A + diag(d)`, `d > 0`; `false` when that fails.
@@ -87,13 +89,17 @@ impl NewtonSystem for Dense<'_> {
     }
 
     fn multiply_transposed(&self, x: &[f64], y: &mut [f64]) {
-        if *self.factor.structure() == Structure::Symmetric {
+        if self.is_symmetric() {
             return self.multiply(x, y);
         }
         y.fill(0.0);
         for (i, &x) in x.iter().enumerate() {
             axpy(x, self.lcp.row(i), y);
         }
+    }
+
+    fn is_symmetric(&self) -> bool {
+        *self.factor.structure() == Structure::Symmetric
     }
 
     fn residual(&self, d: &[f64], x: &[f64], b: &[f64], y: &mut [f64]) {

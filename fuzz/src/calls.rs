@@ -1,0 +1,504 @@
+//! The public entry points, with fuzzed options.
+
+use crate::exact::Dyadic;
+use crate::input::{Bytes, Problem, Taste, tamed};
+use crate::oracle::{self, Limits};
+use lcpstar::batch::{Alpha, Guess, Output, Problems, Source, solve_batch};
+use lcpstar::classes::budget::Budget;
+use lcpstar::classes::class::{Class, Facts, SYMBOLS};
+use lcpstar::driver::{self, Certify, Method, Settings};
+use lcpstar::exact::imatrix::IMatrix;
+use lcpstar::exact::int::Int;
+use lcpstar::methods::potential_reduction::{DirectionSolver, Stop};
+use lcpstar::methods::{bilinear, block_pivoting, interior_point, lemke, lemke_howson, potential_reduction};
+use lcpstar::{Certificate, Control, Lcp, LcpError, SparseLcp, Status};
+use std::cmp::Ordering;
+use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
+use std::time::{Duration, Instant};
+
+/// Exponential calls get this long; libFuzzer's own `-timeout` judges whether they keep it.
+const LIMIT: Duration = Duration::from_secs(1);
+
+fn show(what: &dyn std::fmt::Debug) {
+    if *crate::SHOW {
+        eprintln!("{what:?}");
+    }
+}
+
+fn lcp(problem: &Problem) -> Lcp {
+    show(problem);
+    Lcp::new(problem.n, problem.a.clone(), problem.q.clone()).expect("the input is finite")
+}
+
+/// `driver::solve` with every method and option.
+pub fn solve(bytes: &mut Bytes<'_>) {
+    let settings_first = bytes.byte();
+    let problem = Problem::new(bytes, 40);
+    let n = problem.n;
+    let settings = Settings {
+        method: method(bytes, n),
+        tol: tolerance(bytes),
+        z0: guess(bytes, n),
+        certify: if n <= 12 && settings_first & 3 == 3 { Certify::Exact } else { Certify::Float },
+    };
+    let max_iterations = (settings_first & 12 == 12).then(|| bytes.below(64));
+    let patience = (settings_first & 48 == 48).then(|| bytes.below(40));
+    let asked = AtomicUsize::new(0);
+    let interrupt = || patience.is_some_and(|patience| asked.fetch_add(1, Relaxed) >= patience);
+    let expired = settings_first & 192 == 192;
+    let long = Instant::now() + 5 * LIMIT;
+    let deadline = Some(if expired { Instant::now() } else { long });
+    let control = Control { max_iterations, deadline, interrupted: Some(&interrupt) };
+    let lcp = lcp(&problem);
+    show(&(&settings, max_iterations, patience, expired));
+    match driver::solve(&lcp, &settings, &control) {
+        Ok(solution) => {
+            show(&solution);
+            let limits = Limits {
+                max_iterations,
+                may_run_out_of_time: expired || patience.is_some() || Instant::now() >= long,
+                exact: settings.certify == Certify::Exact,
+            };
+            oracle::check(&problem, &solution, settings.tol, &limits);
+        }
+        Err(error) => justified(&error, n, &settings),
+    }
+}
+
+/// An error must name something that was really wrong.
+fn justified(error: &LcpError, n: usize, settings: &Settings) {
+    let bad = |v: &Option<Vec<f64>>| {
+        v.as_ref().is_some_and(|v| v.len() != n || v.iter().any(|x| !(*x >= 0.0 && x.is_finite())))
+    };
+    let right = match error {
+        LcpError::OutOfRange { name: "tol", value, .. } => !(*value > 0.0 && *value < 1.0),
+        LcpError::OutOfRange { value, .. } => {
+            let Method::PotentialReduction(options) = &settings.method else { panic!("{error}") };
+            !value.is_nan() == !value.is_nan() && options.validate().is_err()
+        }
+        LcpError::WrongLength { name: "z0", .. }
+        | LcpError::NotFinite { name: "z0", .. }
+        | LcpError::Negative { name: "z0", .. } => bad(&settings.z0),
+        LcpError::WrongLength { name: "d", .. }
+        | LcpError::NotFinite { name: "d", .. }
+        | LcpError::NonPositive { name: "d", .. } => true,
+        LcpError::BadIndex { name: "label" | "alpha", index, .. } => *index >= n as i64,
+        LcpError::TooLarge { n: order, limit, .. } => *order == n && n > *limit,
+        LcpError::NotStrictlyFeasible { .. } => matches!(settings.method, Method::PotentialReduction(_)),
+        _ => false,
+    };
+    assert!(right && !error.to_string().is_empty(), "unjustified: {error} at n = {n} with {settings:?}");
+}
+
+fn tolerance(bytes: &mut Bytes<'_>) -> f64 {
+    match bytes.byte() {
+        b @ 0..=127 => [1e-9, 1e-6, 1e-3, 1e-12, 0.5, 1e-15, 1e-2, 1e-20][usize::from(b) % 8],
+        128..=191 => bytes.raw().abs(),
+        _ => bytes.raw(),
+    }
+}
+
+/// Nothing, a plausible guess, or anything.
+fn guess(bytes: &mut Bytes<'_>, n: usize) -> Option<Vec<f64>> {
+    match bytes.below(6) {
+        0..=2 => None,
+        3 => Some((0..n).map(|_| bytes.number(Taste::Integers).max(0.0)).collect()),
+        4 => Some((0..n).map(|_| bytes.number(Taste::Wild).abs()).collect()),
+        _ => Some((0..bytes.below(8)).map(|_| bytes.raw()).collect()),
+    }
+}
+
+fn method(bytes: &mut Bytes<'_>, n: usize) -> Method {
+    let name = Method::NAMES[bytes.below(Method::NAMES.len())];
+    let method = Method::from_name(name).expect("a listed name");
+    if !bytes.flag() {
+        return method;
+    }
+    match method {
+        Method::Lemke { .. } => {
+            let d = bytes.flag().then(|| (0..n).map(|_| bytes.number(Taste::Wild).abs()).collect());
+            Method::Lemke { settings: lemke::Settings { d }, restarts: bytes.below(9), seed: u64::from(bytes.byte()) }
+        }
+        Method::LemkeHowson(_) => Method::LemkeHowson(lemke_howson::Settings { label: bytes.below(42) }),
+        Method::Bilinear(_) => {
+            Method::Bilinear(bilinear::Settings { starts: bytes.below(9), seed: u64::from(bytes.byte()) })
+        }
+        Method::BlockPivoting(_) => {
+            let alpha = bytes.flag().then(|| (0..bytes.below(8)).map(|_| bytes.below(42)).collect());
+            Method::BlockPivoting(block_pivoting::Settings { patience: bytes.below(9), alpha })
+        }
+        Method::InteriorPoint(_) => Method::InteriorPoint(interior_point::Settings {
+            finish: bytes.flag(),
+            ..interior_point::Settings::default()
+        }),
+        Method::PotentialReduction(_) => Method::PotentialReduction(potential(bytes)),
+        other => other,
+    }
+}
+
+/// The paper's parameters: sensible ones or any double.
+fn potential(bytes: &mut Bytes<'_>) -> potential_reduction::Settings {
+    let mut unit = |usual: f64| match bytes.byte() {
+        0..=127 => usual,
+        b @ 128..=250 => f64::from(b) / 256.0 - 0.4,
+        _ => bytes.raw(),
+    };
+    let (beta, gamma, sigma, kappa_factor) = (unit(0.5), unit(0.5), unit(0.2), unit(0.01) + 1.0);
+    potential_reduction::Settings {
+        beta,
+        gamma,
+        sigma,
+        kappa_factor,
+        min_halvings: bytes.below(70),
+        direction: if bytes.flag() { DirectionSolver::Qr } else { DirectionSolver::Cholesky },
+        long_step: bytes.flag(),
+        stop: Stop::Gap(1e-5),
+    }
+}
+
+/// The same small problem by three methods with exact certificates: proofs must not contradict each other. The paper's
+/// method runs on it, too.
+pub fn prove(bytes: &mut Bytes<'_>) {
+    let problem = Problem::new(bytes, 6);
+    let lcp = lcp(&problem);
+    let limits = Limits { max_iterations: None, may_run_out_of_time: true, exact: true };
+    let (mut solved, mut infeasible) = (false, false);
+    for name in ["auto", "principal_pivoting", "enumerate"] {
+        let control = Control { deadline: Some(Instant::now() + LIMIT), ..Control::default() };
+        let settings = Settings {
+            method: Method::from_name(name).expect("a listed name"),
+            certify: Certify::Exact,
+            ..Settings::default()
+        };
+        let solution = driver::solve(&lcp, &settings, &control).expect("nothing is wrong with the call");
+        show(&(name, &solution));
+        oracle::check(&problem, &solution, settings.tol, &limits);
+        match &solution.certificate {
+            Some(Certificate::Solution { exact: Some(_), .. }) => solved = true,
+            Some(Certificate::Infeasible { exact: Some(_), .. }) => infeasible = true,
+            _ => {}
+        }
+    }
+    assert!(!(solved && infeasible), "one method proved a solution, another that there is none");
+    let settings = potential(bytes);
+    let z0 = guess(bytes, problem.n);
+    let control = Control { max_iterations: Some(bytes.below(100)), ..Control::default() };
+    show(&(&settings, &z0, control.max_iterations));
+    let mut rows = 0;
+    let run = driver::potential_reduction(&lcp, z0.as_deref(), &settings, &control, |record| {
+        rows += 1;
+        assert_eq!((record.z.len(), record.dz.len()), (problem.n, problem.n));
+    });
+    if let Ok(solution) = run {
+        let limits = Limits { max_iterations: control.max_iterations, may_run_out_of_time: false, exact: false };
+        oracle::check(&problem, &solution, 1e-2, &limits);
+        assert!(rows <= solution.iterations);
+    }
+}
+
+/// `solve_batch`: one thread against three, whole against one by one.
+pub fn batch(bytes: &mut Bytes<'_>) {
+    let first = Problem::new(bytes, 24);
+    let n = first.n;
+    let count = bytes.below(20);
+    let tol = tolerance(bytes);
+    let (mut a, mut q) = (Vec::new(), Vec::new());
+    for _ in 0..count {
+        a.extend_from_slice(&first.a);
+        q.extend_from_slice(&first.q);
+        let changes = bytes.below(4);
+        for _ in 0..changes {
+            let (place, x) = (bytes.below(n * n + n + 1), tamed(bytes.number(Taste::Wild)));
+            let (in_a, in_q) = (a.len() - n * n, q.len() - n);
+            match place.checked_sub(n * n) {
+                None => a[in_a + place] = x,
+                Some(i) if i < n => q[in_q + i] = x,
+                Some(_) => {}
+            }
+        }
+    }
+    if bytes.byte() == 255 && !q.is_empty() {
+        q[0] = bytes.raw();
+    }
+    let masks: Vec<u64> = (0..count).map(|_| u64::from(bytes.byte()) * 0x0101_0101_0101_0101).collect();
+    let points: Vec<f64> = (0..count * n).map(|k| f64::from((masks[k / n] >> (k % n) & 1) as u8)).collect();
+    let flags: Vec<bool> = points.iter().map(|x| *x > 0.0).collect();
+    let guess = match bytes.below(6) {
+        0 => Guess::Masks(&masks),
+        1 => Guess::Points(&points),
+        2 => Guess::Flags(&flags),
+        _ => Guess::None,
+    };
+    let method = if bytes.below(4) == 3 { method(bytes, n) } else { Method::Auto };
+    let one_matrix = bytes.below(4) == 3 && count > 0;
+    let reversed: Vec<usize> = (0..count).rev().collect();
+    let one = |threads: usize, order: Option<&[usize]>, guess: Guess<'_>| {
+        let place = |map| Source::Mapped(map);
+        let problems = Problems {
+            n,
+            count,
+            a: &a,
+            a_source: if one_matrix { Source::One } else { order.map_or(Source::Each, place) },
+            q: &q,
+            q_source: order.map_or(Source::Each, place),
+        };
+        run_batch(&problems, &method, tol, threads, guess)
+    };
+    show(&(n, count, &a, &q, &method, tol, guess, one_matrix));
+    let whole = one(1, None, guess);
+    let others = one(3, None, guess);
+    let same = match (&whole, &others) {
+        (Ok(one), Ok(three)) => one.bits() == three.bits(),
+        (Err(one), Err(three)) => one.to_string() == three.to_string(),
+        _ => false,
+    };
+    assert!(same, "threads change the answer");
+    let Ok(whole) = whole else { return };
+    for k in 0..count {
+        let matrix = if one_matrix { 0 } else { k };
+        let problem =
+            Problem { n, a: a[matrix * n * n..(matrix + 1) * n * n].to_vec(), q: q[k * n..(k + 1) * n].to_vec() };
+        assert!(whole.status[k] <= Status::NumericalBreakdown as u8);
+        assert!(whole.z[k * n..(k + 1) * n].iter().all(|z| z.is_finite() && *z >= 0.0));
+        assert!(!whole.residual[k].is_nan() && !whole.w[k * n..(k + 1) * n].iter().any(|w| w.is_nan()));
+        if whole.status[k] == Status::Solved as u8 {
+            let range = k * n..(k + 1) * n;
+            oracle::check_point(&problem, &whole.z[range.clone()], &whole.w[range], whole.natural[k], tol);
+            assert!(whole.residual[k] <= tol);
+        }
+    }
+    if matches!(guess, Guess::None)
+        && let Ok(backwards) = one(1, Some(&reversed), guess)
+    {
+        for k in 0..count {
+            let l = count - 1 - k;
+            let same = whole.z[k * n..(k + 1) * n].iter().zip(&backwards.z[l * n..(l + 1) * n]).all(|(x, y)| x == y);
+            assert!(same && whole.status[k] == backwards.status[l], "the order changes problem {k}");
+        }
+    }
+}
+
+#[derive(Clone)]
+struct Batch {
+    z: Vec<f64>,
+    w: Vec<f64>,
+    status: Vec<u8>,
+    iterations: Vec<u32>,
+    residual: Vec<f64>,
+    natural: Vec<f64>,
+}
+
+impl Batch {
+    fn bits(&self) -> (Vec<u64>, Vec<u8>, Vec<u32>) {
+        (self.z.iter().chain(&self.w).map(|x| x.to_bits()).collect(), self.status.clone(), self.iterations.clone())
+    }
+}
+
+fn run_batch(
+    problems: &Problems<'_, f64>,
+    method: &Method,
+    tol: f64,
+    threads: usize,
+    guess: Guess<'_>,
+) -> Result<Batch, LcpError> {
+    let (n, count) = (problems.n, problems.count);
+    let mut out = Batch {
+        z: vec![0.0; n * count],
+        w: vec![0.0; n * count],
+        status: vec![0; count],
+        iterations: vec![0; count],
+        residual: vec![0.0; count],
+        natural: vec![0.0; count],
+    };
+    let (mut codes, mut alpha) = (vec![0; count], vec![0; count]);
+    let finished = solve_batch(
+        problems,
+        &lcpstar::batch::Settings { method, tol, threads, guess, interrupted: None },
+        Output {
+            z: &mut out.z,
+            w: &mut out.w,
+            status: &mut out.status,
+            method: &mut codes,
+            iterations: &mut out.iterations,
+            residual: &mut out.residual,
+            natural_residual: &mut out.natural,
+            alpha: Alpha::Masks(&mut alpha),
+        },
+    )?;
+    assert!(finished, "nobody interrupted");
+    Ok(out)
+}
+
+/// Sparse problems, and what `SparseLcp::new` must refuse.
+pub fn sparse(bytes: &mut Bytes<'_>) {
+    let problem = Problem::new(bytes, 30);
+    let n = problem.n;
+    let (mut starts, mut columns, mut values) = (vec![0], vec![], vec![]);
+    for i in 0..n {
+        for j in 0..n {
+            if problem.a[i * n + j] != 0.0 {
+                columns.push(j);
+                values.push(problem.a[i * n + j]);
+            }
+        }
+        starts.push(columns.len());
+    }
+    let damaged = bytes.below(8) == 7;
+    if damaged {
+        let (place, x) = (bytes.below(64), bytes.below(64));
+        match bytes.below(4) {
+            0 if !starts.is_empty() => starts[place % (n + 1)] = x,
+            1 if !columns.is_empty() => {
+                let k = place % columns.len();
+                columns[k] = x;
+            }
+            2 => columns.push(x),
+            _ => starts.push(x),
+        }
+    }
+    let lcp = match SparseLcp::new(starts, columns, values, problem.q.clone()) {
+        Ok(lcp) => lcp,
+        Err(error) => {
+            assert!(damaged, "{error}");
+            return;
+        }
+    };
+    let dense = lcp.to_dense();
+    let problem = Problem { n, a: dense.a().to_vec(), q: dense.q().to_vec() };
+    let tol = tolerance(bytes);
+    let options =
+        interior_point::Settings { finish: bytes.flag(), z0: guess(bytes, n), ..interior_point::Settings::default() };
+    let control = Control { max_iterations: bytes.flag().then(|| bytes.below(40)), ..Control::default() };
+    show(&(&problem, tol, &options, control.max_iterations));
+    if let Ok(solution) = driver::solve_sparse(&lcp, tol, &options, &control) {
+        assert!(control.max_iterations.is_none_or(|limit| solution.iterations <= limit), "max_iterations");
+        oracle::check_sparse(&problem, &solution, tol);
+    }
+}
+
+/// `solutions`: every vertex and ray exactly, and no contradiction to a solver with a proof.
+pub fn solution_set(bytes: &mut Bytes<'_>) {
+    let problem = Problem::new(bytes, 6);
+    let lcp = lcp(&problem);
+    let control = Control { deadline: Some(Instant::now() + LIMIT), ..Control::default() };
+    let Ok(faces) = lcpstar::solutions::solutions(&lcp, &control).expect("n is small") else { return };
+    for face in &faces {
+        assert!(!face.vertices.is_empty(), "a face without a vertex");
+        assert!(face.vertices.iter().all(|v| oracle::solves_exactly(&problem, v)), "a vertex does not solve");
+        assert!(face.rays.iter().all(|r| oracle::is_direction(&problem, r)), "a ray leaves the solution set");
+    }
+    let settings = Settings { certify: Certify::Exact, ..Settings::default() };
+    let solution = driver::solve(&lcp, &settings, &control).expect("nothing is wrong with the call");
+    match &solution.certificate {
+        Some(Certificate::Solution { exact: Some(_), .. }) => {
+            assert!(!faces.is_empty(), "a proved solution is missing")
+        }
+        Some(Certificate::Infeasible { exact: Some(_), .. }) => assert!(faces.is_empty(), "infeasible, with solutions"),
+        _ => {}
+    }
+}
+
+/// `ppt`: `w_alpha` and `z_alpha` trade places, checked by `[w_a; z_b] -> [z_a; w_b]` on the columns of the transform.
+pub fn transform(bytes: &mut Bytes<'_>) {
+    let problem = Problem::new(bytes, 8);
+    let n = problem.n;
+    let alpha: Vec<usize> = (0..bytes.below(n + 1)).map(|_| bytes.below(n.max(1))).collect();
+    let mut distinct = alpha.clone();
+    distinct.sort_unstable();
+    distinct.dedup();
+    if distinct.len() != alpha.len() {
+        return; // the bindings refuse it
+    }
+    match lcpstar::pivoting::transform::principal_pivot_transform(&lcp(&problem), &alpha) {
+        Ok(m) => assert!(!m.a().iter().chain(m.q()).any(|x| x.is_nan()), "NaN in a transform"),
+        Err(LcpError::SingularBlock { rank, .. }) => assert!(rank < alpha.len()),
+        Err(LcpError::NotFinite { name: "M" | "p", .. }) => {}
+        Err(error) => panic!("{error}"),
+    }
+}
+
+/// Class memberships of a small integer matrix: inclusions, transposition, permutation.
+pub fn classes(bytes: &mut Bytes<'_>) {
+    let n = 1 + bytes.below(4);
+    let wide = bytes.below(4) == 3;
+    let entries: Vec<i64> = (0..n * n)
+        .map(|_| {
+            i64::from(bytes.byte() as i8) * if wide { 1_000_000_007_000_003 } else { 1 } / if wide { 1 } else { 32 }
+        })
+        .collect();
+    let matrix = |at: &dyn Fn(usize, usize) -> (usize, usize)| {
+        IMatrix::from_fn(n, n, |i, j| {
+            let (i, j) = at(i, j);
+            Int::from(entries[i * n + j])
+        })
+    };
+    show(&entries);
+    let stop = Instant::now() + LIMIT;
+    let budget = Budget::new(Some(stop), None);
+    let plain = Facts::new(matrix(&|i, j| (i, j)));
+    let flipped = Facts::new(matrix(&|i, j| (n - 1 - i, n - 1 - j)));
+    let transposed = Facts::new(matrix(&|i, j| (j, i)));
+    let chosen: Vec<Class> = (0..6).map(|_| SYMBOLS[bytes.below(SYMBOLS.len())].1).collect();
+    let holds = |facts: &Facts, class| facts.holds(class, &budget);
+    for class in chosen {
+        let (Ok(here), Ok(there)) = (holds(&plain, class), holds(&flipped, class)) else { return };
+        assert_eq!(here, there, "{class:?} changes under a permutation: {entries:?}");
+        if matches!(
+            class,
+            Class::P | Class::P0 | Class::PSD | Class::PD | Class::C0 | Class::C | Class::N | Class::SU | Class::E
+        ) {
+            let Ok(there) = holds(&transposed, class) else { return };
+            assert_eq!(here, there, "{class:?} changes under transposition: {entries:?}");
+        }
+        if here {
+            for &(small, large) in INCLUSIONS.iter().filter(|(small, _)| *small == class) {
+                let Ok(large_holds) = holds(&plain, large) else { return };
+                assert!(large_holds, "{small:?} without {large:?}: {entries:?}");
+            }
+        }
+    }
+    two_by_two(n, &entries, &plain, &budget);
+}
+
+/// Inclusions of the literature [CPS92].
+const INCLUSIONS: [(Class, Class); 27] = [
+    (Class::PD, Class::PSD),
+    (Class::PD, Class::P),
+    (Class::PD, Class::C),
+    (Class::PSD, Class::SU),
+    (Class::PSD, Class::C0Plus),
+    (Class::PSD, Class::P0),
+    (Class::SU, Class::P0),
+    (Class::SU, Class::Q0),
+    (Class::RSU, Class::Q0),
+    (Class::CSU, Class::P0),
+    (Class::P, Class::P0),
+    (Class::P, Class::SU),
+    (Class::P, Class::E),
+    (Class::P, Class::Q),
+    (Class::P, Class::R0),
+    (Class::P0, Class::E0),
+    (Class::C, Class::C0),
+    (Class::C, Class::E),
+    (Class::C0, Class::E0),
+    (Class::C0Plus, Class::C0),
+    (Class::C0Plus, Class::L),
+    (Class::E, Class::E0),
+    (Class::E, Class::Q),
+    (Class::L, Class::Q0),
+    (Class::Q, Class::Q0),
+    (Class::Z, Class::Q0),
+    (Class::TE0s, Class::E0),
+];
+
+/// P and P0 of order 2 by hand, in 128 bits.
+fn two_by_two(n: usize, entries: &[i64], facts: &Facts, budget: &Budget<'_>) {
+    if n != 2 {
+        return;
+    }
+    let x: Vec<Dyadic> = entries.iter().map(|&x| Dyadic::integer(&x.into())).collect();
+    let determinant = x[0].times(&x[3]).minus(&x[1].times(&x[2])).sign();
+    let least = x[0].sign().min(x[3].sign()).min(determinant);
+    assert_eq!(facts.holds(Class::P, budget), Ok(least == Ordering::Greater));
+    assert_eq!(facts.holds(Class::P0, budget), Ok(least != Ordering::Less));
+}

@@ -1,0 +1,1 @@
+"""Benchmarks of lcpstar on your own machine: `lcpstar bench tradeoff`, `lcpstar bench call`. NumPy only."""

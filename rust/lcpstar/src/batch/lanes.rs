@@ -1,0 +1,574 @@
+//! Several problems side by side, one number of each in a register: loads them, tries one method after the other,
+//! verifies, writes what is solved.
+
+use super::io::{Guess, Numbers, Output, Problems};
+use super::lemke_lanes::Pivots;
+use super::minors::{MINORS_ORDER, enumerate};
+use super::newton::{Tile, multiply, newton, refine};
+use super::work::{ENUMERATE, LEMKE, NEWTON, Task};
+use crate::small::lane::{BLOCK, Lane, Mask, prefetch};
+use crate::small::lemke::PIVOTS_PER_ROW;
+use crate::small::verify::{Verdict, is_small_when_equilibrated, verify};
+use crate::status::Status;
+
+/// Most lanes of any kind.
+pub(super) const MOST_LANES: usize = 16;
+
+/// Largest order for which Lemke's method runs in lanes: above, the tableaux no longer fit the nearest cache.
+const LEMKE_ORDER: usize = 24;
+
+/// Factorisations after which a lane goes on to Lemke's method.
+const FACTORISATIONS: usize = 6;
+
+/// Refinement steps at most.
+const REFINEMENTS: usize = 2;
+
+/// Memory of one thread.
+pub(super) struct Lanes<X: Lane, S: Lane> {
+    n: usize,
+    tile: Tile<X>,
+    pivots: Pivots<X>,
+    /// Which block of A each lane of the tile holds.
+    loaded: [usize; MOST_LANES],
+    /// Problems widened to double precision.
+    wide: Vec<f64>,
+    singles: Option<Tile<S>>,
+    /// What single precision found, `n` numbers for each problem of the chunk.
+    points: Vec<f32>,
+    failed: Vec<usize>,
+}
+
+/// What lanes do together.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Phase {
+    /// One factorisation for the support that the caller guesses.
+    Guess,
+    /// The point that the caller guesses, as it is.
+    Point,
+    /// One factorisation for the support that single precision found.
+    Polish,
+    /// The point that single precision found, as it is.
+    Single,
+    Enumerate,
+    Newton,
+    Lemke,
+}
+
+/// A tile of problems and what is known of them.
+struct Group<'a, X: Lane> {
+    task: &'a Task<'a>,
+    members: &'a [usize],
+    open: X::Mask,
+    /// Lanes with a positive diagonal, for which Newton's method is worth trying.
+    fit: X::Mask,
+    symmetric: X::Mask,
+}
+
+/// What a method found: points are in the tile.
+struct Found<X: Lane> {
+    method: u8,
+    /// Lanes in which it stopped as it should.
+    lanes: X::Mask,
+    iterations: [u8; MOST_LANES],
+}
+
+impl<X: Lane<Number = f64>, S: Lane<Number = f32>> Lanes<X, S> {
+    /// Memory for problems of order `n`.
+    #[inline(always)]
+    pub fn new(n: usize, problems: &Problems<'_>) -> Self {
+        let single = matches!(problems.a, Numbers::Single(_)) || matches!(problems.q, Numbers::Single(_));
+        let wide = if single { X::LANES * n * (n + 1) } else { 0 };
+        let both = matches!((problems.a, problems.q), (Numbers::Single(_), Numbers::Single(_)));
+        Self {
+            n,
+            tile: Tile::new(n),
+            pivots: Pivots::new(if n <= LEMKE_ORDER { n } else { 0 }),
+            loaded: [usize::MAX; MOST_LANES],
+            wide: vec![0.0; wide],
+            singles: both.then(|| Tile::new(n)),
+            points: Vec::new(),
+            failed: Vec::new(),
+        }
+    }
+
+    /// Solves what it can of the problems in `waiting` and leaves the others there.
+    #[inline(always)]
+    pub fn solve<const N: usize>(&mut self, task: &Task<'_>, waiting: &mut Vec<usize>, output: &mut Output<'_>) {
+        if self.singles.is_some() {
+            self.in_single_precision::<N>(task, waiting, output.status.len());
+        }
+        let guess = task.settings.guess;
+        let phases = [
+            (Phase::Guess, !matches!(guess, Guess::None)),
+            (Phase::Point, matches!(guess, Guess::Points(_))),
+            (Phase::Polish, self.singles.is_some() && task.settings.polish),
+            (Phase::Single, self.singles.is_some() && !task.settings.polish),
+            (Phase::Enumerate, self.n <= MINORS_ORDER),
+            (Phase::Newton, self.n > MINORS_ORDER),
+            (Phase::Lemke, self.n <= LEMKE_ORDER),
+        ];
+        // One loop, one copy of the machine code below.
+        for (phase, wanted) in phases {
+            if wanted && !waiting.is_empty() {
+                self.phase::<N>(phase, task, waiting, output);
+            }
+        }
+    }
+
+    /// Tries one method on the problems that wait, `X::LANES` at a time; those it does not solve wait on.
+    #[inline(always)]
+    fn phase<const N: usize>(
+        &mut self,
+        phase: Phase,
+        task: &Task<'_>,
+        waiting: &mut Vec<usize>,
+        output: &mut Output<'_>,
+    ) {
+        self.failed.clear();
+        let mut groups = waiting.chunks(X::LANES).peekable();
+        while let Some(members) = groups.next() {
+            self.load::<N>(task, members);
+            for &k in groups.peek().copied().unwrap_or_default() {
+                self.fetch(task, k);
+            }
+            let (fit, symmetric) = self.shape::<N>();
+            let open = X::Mask::from_bits(u32::MAX >> (32 - members.len()));
+            let mut group = Group { task, members, open, fit, symmetric };
+            // Symmetric lanes and the others take turns where the factorisation differs.
+            for symmetric in [true, false] {
+                let lanes = self.lanes(phase, &group, symmetric);
+                if lanes.any() {
+                    let found = self.run::<N>(phase, &group, lanes, symmetric);
+                    self.settle::<N>(phase, &mut group, &found, output);
+                }
+            }
+            let open = group.open.bits();
+            self.failed.extend(members.iter().enumerate().filter(|&(l, _)| open >> l & 1 == 1).map(|(_, &k)| k));
+        }
+        std::mem::swap(waiting, &mut self.failed);
+    }
+
+    /// The lanes whose turn it is.
+    #[inline(always)]
+    fn lanes(&self, phase: Phase, group: &Group<'_, X>, symmetric: bool) -> X::Mask {
+        let kind = if symmetric { group.symmetric } else { group.symmetric.not() };
+        match phase {
+            Phase::Guess | Phase::Polish => group.open.and(kind),
+            Phase::Newton => group.open.and(kind).and(group.fit),
+            Phase::Point | Phase::Single | Phase::Enumerate | Phase::Lemke if symmetric => group.open,
+            Phase::Point | Phase::Single | Phase::Enumerate | Phase::Lemke => X::Mask::NONE,
+        }
+    }
+
+    /// Puts a point of every lane of `lanes` into the tile.
+    #[inline(always)]
+    fn run<const N: usize>(&mut self, phase: Phase, group: &Group<'_, X>, lanes: X::Mask, symmetric: bool) -> Found<X> {
+        let (n, zero) = (self.n, X::splat(0.0));
+        let mut iterations = [1; MOST_LANES];
+        match phase {
+            Phase::Guess | Phase::Point => self.place_guess(group),
+            Phase::Polish | Phase::Single => self.place_single(group),
+            _ => {
+                for i in 0..n {
+                    self.tile.alpha[i] = self.tile.q[i].lt(zero);
+                }
+            }
+        }
+        match phase {
+            Phase::Guess | Phase::Polish | Phase::Newton => {
+                let limit = if phase == Phase::Newton { FACTORISATIONS } else { 1 };
+                let (iterations, lanes) = newton::<X, N>(n, &mut self.tile, lanes, symmetric, limit);
+                if limit == 1 {
+                    // Degenerate rows may come out a rounding error below zero: what counts is what is verified.
+                    for z in &mut self.tile.z {
+                        *z = z.max(zero);
+                    }
+                    multiply::<X, N>(n, &mut self.tile);
+                }
+                Found { method: NEWTON, lanes, iterations }
+            }
+            Phase::Point | Phase::Single => {
+                multiply::<X, N>(n, &mut self.tile);
+                Found { method: NEWTON, lanes, iterations }
+            }
+            Phase::Enumerate => {
+                let (lanes, iterations) = enumerate(n, &mut self.tile);
+                multiply::<X, N>(n, &mut self.tile);
+                Found { method: ENUMERATE, lanes, iterations }
+            }
+            Phase::Lemke => {
+                let limit = PIVOTS_PER_ROW * n;
+                let lanes = self.pivots.solve::<N>(n, &mut self.tile, lanes, limit, &mut iterations);
+                Found { method: LEMKE, lanes, iterations }
+            }
+        }
+    }
+
+    /// The guess of the caller.
+    #[inline(always)]
+    fn place_guess(&mut self, group: &Group<'_, X>) {
+        let (n, task) = (self.n, group.task);
+        for l in 0..X::LANES {
+            let k = task.first + group.members[l.min(group.members.len() - 1)];
+            match task.settings.guess {
+                Guess::None => {}
+                Guess::Masks(masks) => {
+                    for i in 0..n {
+                        self.tile.alpha[i].set(l, masks[k] >> i & 1 == 1);
+                    }
+                }
+                Guess::Flags(flags) => {
+                    for i in 0..n {
+                        self.tile.alpha[i].set(l, flags[k * n + i]);
+                    }
+                }
+                Guess::Points(z) => {
+                    for i in 0..n {
+                        self.tile.alpha[i].set(l, z[k * n + i] > 0.0);
+                        self.tile.z[i].set(l, z[k * n + i]);
+                    }
+                }
+            }
+        }
+    }
+
+    /// What single precision found.
+    #[inline(always)]
+    fn place_single(&mut self, group: &Group<'_, X>) {
+        let n = self.n;
+        for l in 0..X::LANES {
+            let k = group.members[l.min(group.members.len() - 1)];
+            for i in 0..n {
+                let z = self.points[k * n + i];
+                self.tile.alpha[i].set(l, z > 0.0);
+                self.tile.z[i].set(l, f64::from(z).max(0.0));
+            }
+        }
+    }
+
+    /// Verifies what was found, refined where need be, and writes what is solved.
+    #[inline(always)]
+    fn settle<const N: usize>(
+        &mut self,
+        phase: Phase,
+        group: &mut Group<'_, X>,
+        found: &Found<X>,
+        output: &mut Output<'_>,
+    ) {
+        let lanes = group.open.and(found.lanes);
+        let refinements = match phase {
+            Phase::Point | Phase::Single | Phase::Enumerate => 0,
+            _ => REFINEMENTS,
+        };
+        let mut refined = 0;
+        let verdict = loop {
+            let verdict = self.verdict::<N>(group.task.settings.tol);
+            let wanting = lanes.and(verdict.solved.not());
+            if refined == refinements || !wanting.any() {
+                break verdict;
+            }
+            refined += 1;
+            if phase == Phase::Lemke {
+                self.pivots.refine::<N>(self.n, &mut self.tile, wanting);
+            } else {
+                refine::<X, N>(self.n, &mut self.tile, wanting);
+            }
+        };
+        if phase != Phase::Lemke {
+            for (alpha, z) in self.tile.alpha.iter_mut().zip(&self.tile.z) {
+                *alpha = X::splat(0.0).lt(*z);
+            }
+        }
+        self.write::<N>(group, found, &verdict, output);
+    }
+
+    #[inline(always)]
+    fn verdict<const N: usize>(&self, tol: f64) -> Verdict<X> {
+        let tile = &self.tile;
+        let mut verdict = verify::<X, N>(self.n, &tile.a, &tile.q, &tile.z, &tile.w, tol);
+        if verdict.unsettled.any() {
+            self.equilibrate(&mut verdict, tol);
+        }
+        verdict
+    }
+
+    /// Decides the lanes that need the scaling of their problem, one by one.
+    fn equilibrate(&self, verdict: &mut Verdict<X>, tol: f64) {
+        let (n, tile) = (self.n, &self.tile);
+        let lane = |v: &[X], l: usize| -> Vec<f64> { v.iter().map(|x| x.get(l)).collect() };
+        for l in (0..X::LANES).filter(|&l| verdict.unsettled.get(l)) {
+            let (a, q) = (lane(&tile.a[..n * n], l), lane(&tile.q[..n], l));
+            let (z, w) = (lane(&tile.z[..n], l), lane(&tile.w[..n], l));
+            verdict.solved.set(l, is_small_when_equilibrated(n, &a, &q, &z, &w, tol));
+        }
+    }
+
+    /// Writes the results of the lanes that are verified, with the supports in alpha.
+    #[inline(always)]
+    fn write<const N: usize>(
+        &self,
+        group: &mut Group<'_, X>,
+        found: &Found<X>,
+        verdict: &Verdict<X>,
+        output: &mut Output<'_>,
+    ) {
+        let n = if N == 0 { self.n } else { N };
+        let solved = group.open.and(found.lanes).and(verdict.solved);
+        group.open = group.open.and(solved.not());
+        let solved = solved.bits();
+        for (source, out) in [(&self.tile.z, &mut *output.z), (&self.tile.w, &mut *output.w)] {
+            let mut rows = [[0.0; BLOCK]; MOST_LANES];
+            for (b, columns) in source[..n].chunks(BLOCK).enumerate() {
+                X::store_columns(columns, &mut rows[..X::LANES]);
+                for (l, &k) in group.members.iter().enumerate() {
+                    if solved >> l & 1 == 1 {
+                        let place = k * n + BLOCK * b;
+                        out[place..place + columns.len()].copy_from_slice(&rows[l][..columns.len()]);
+                    }
+                }
+            }
+        }
+        let mut masks = [0_u64; MOST_LANES];
+        for (i, alpha) in self.tile.alpha[..n].iter().enumerate() {
+            let bits = alpha.bits();
+            for (l, mask) in masks.iter_mut().enumerate() {
+                *mask |= u64::from(bits >> l & 1) << i;
+            }
+        }
+        for (l, &k) in group.members.iter().enumerate() {
+            if solved >> l & 1 == 1 {
+                output.status[k] = Status::Solved as u8;
+                output.method[k] = found.method;
+                output.iterations[k] = u32::from(found.iterations[l]);
+                output.residual[k] = verdict.residual.get(l);
+                output.natural_residual[k] = verdict.natural_residual.get(l);
+                output.alpha.write_mask(n, k, masks[l]);
+            }
+        }
+    }
+
+    /// Copies problems into the lanes; spare lanes repeat the last one. Blocks of A that the lanes hold already stay.
+    #[inline(always)]
+    fn load<const N: usize>(&mut self, task: &Task<'_>, members: &[usize]) {
+        let n = if N == 0 { self.n } else { N };
+        let problems = task.problems;
+        let (mut a_blocks, mut q_blocks) = ([0; MOST_LANES], [0; MOST_LANES]);
+        for l in 0..X::LANES {
+            let place = task.first + members[l.min(members.len() - 1)];
+            (a_blocks[l], q_blocks[l]) = (problems.a_source.block(place), problems.q_source.block(place));
+        }
+        let split = (X::LANES * n * n).min(self.wide.len());
+        let (wide_a, wide_q) = self.wide.split_at_mut(split);
+        if a_blocks[..X::LANES] != self.loaded[..X::LANES] {
+            columns::<X>(problems.a, n * n, &a_blocks, wide_a, &mut self.tile.a);
+            self.loaded = a_blocks;
+        }
+        columns::<X>(problems.q, n, &q_blocks, wide_q, &mut self.tile.q);
+    }
+
+    /// Asks for problem `k` of the chunk, which is next.
+    #[inline(always)]
+    fn fetch(&self, task: &Task<'_>, k: usize) {
+        let (n, problems) = (self.n, task.problems);
+        let block = problems.a_source.block(task.first + k);
+        if block == self.loaded[0] {
+            return;
+        }
+        match problems.a {
+            Numbers::Double(a) => prefetch(&a[block * n * n..(block + 1) * n * n]),
+            Numbers::Single(a) => prefetch(&a[block * n * n..(block + 1) * n * n]),
+        }
+    }
+
+    /// Lanes with a positive diagonal and lanes with a symmetric matrix.
+    #[inline(always)]
+    fn shape<const N: usize>(&self) -> (X::Mask, X::Mask) {
+        let n = if N == 0 { self.n } else { N };
+        let a = &self.tile.a[..n * n];
+        let (mut fit, mut symmetric) = (X::Mask::ALL, X::Mask::ALL);
+        for i in 0..n {
+            fit = fit.and(X::splat(0.0).lt(a[i * n + i]));
+            for j in 0..i {
+                symmetric = symmetric.and(a[i * n + j].eq(a[j * n + i]));
+            }
+        }
+        (fit, symmetric)
+    }
+
+    /// Newton's method on the problems that wait in single precision, sixteen at a time; nothing is verified here.
+    #[inline(always)]
+    fn in_single_precision<const N: usize>(&mut self, task: &Task<'_>, waiting: &[usize], chunk: usize) {
+        let (n, problems) = (self.n, task.problems);
+        let (Some(tile), Numbers::Single(a), Numbers::Single(q)) = (&mut self.singles, problems.a, problems.q) else {
+            return;
+        };
+        self.points.resize(chunk * n, 0.0);
+        let zero = S::splat(0.0);
+        for members in waiting.chunks(S::LANES) {
+            let (mut sources, mut vectors): ([&[f32]; MOST_LANES], [&[f32]; MOST_LANES]) = Default::default();
+            for l in 0..S::LANES {
+                let place = task.first + members[l.min(members.len() - 1)];
+                let (a_block, q_block) = (problems.a_source.block(place), problems.q_source.block(place));
+                sources[l] = &a[a_block * n * n..(a_block + 1) * n * n];
+                vectors[l] = &q[q_block * n..(q_block + 1) * n];
+            }
+            transpose::<S>(n * n, &sources, &mut tile.a);
+            transpose::<S>(n, &vectors, &mut tile.q);
+            for i in 0..n {
+                tile.alpha[i] = tile.q[i].lt(zero);
+            }
+            // Without the lanes that were given up: what they hold is not theirs alone.
+            let (_, lanes) = newton::<S, N>(n, tile, S::Mask::ALL, false, FACTORISATIONS);
+            for z in &mut tile.z {
+                *z = z.only(lanes);
+            }
+            let mut rows = [[0.0; BLOCK]; MOST_LANES];
+            for (b, columns) in tile.z[..n].chunks(BLOCK).enumerate() {
+                S::store_columns(columns, &mut rows[..S::LANES]);
+                for (l, &k) in members.iter().enumerate() {
+                    let place = k * n + BLOCK * b;
+                    self.points[place..place + columns.len()].copy_from_slice(&rows[l][..columns.len()]);
+                }
+            }
+        }
+    }
+}
+
+/// Number e of block `blocks[l]` goes to lane l of `out[e]`, for `length` numbers e.
+#[inline(always)]
+fn columns<X: Lane<Number = f64>>(
+    numbers: Numbers<'_>,
+    length: usize,
+    blocks: &[usize; MOST_LANES],
+    wide: &mut [f64],
+    out: &mut [X],
+) {
+    let mut sources: [&[f64]; MOST_LANES] = [&[]; MOST_LANES];
+    match numbers {
+        Numbers::Double(x) => {
+            for l in 0..X::LANES {
+                sources[l] = &x[blocks[l] * length..(blocks[l] + 1) * length];
+            }
+        }
+        Numbers::Single(_) => {
+            for l in 0..X::LANES {
+                numbers.copy(blocks[l] * length, &mut wide[l * length..(l + 1) * length]);
+            }
+            for l in 0..X::LANES {
+                sources[l] = &wide[l * length..(l + 1) * length];
+            }
+        }
+    }
+    transpose::<X>(length, &sources, out);
+}
+
+/// Number e of `sources[l]` goes to lane l of `out[e]`, for `length` numbers e.
+#[inline(always)]
+fn transpose<X: Lane>(length: usize, sources: &[&[X::Number]; MOST_LANES], out: &mut [X]) {
+    for (b, out) in out[..length].chunks_mut(BLOCK).enumerate() {
+        let mut rows = *sources;
+        for row in &mut rows[..X::LANES] {
+            *row = &row[BLOCK * b..];
+        }
+        X::load_columns(&rows[..X::LANES], out);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::small::lane::{F64x8, Pair};
+
+    /// `B B'` of half or full rank, some plus a skew part, and a `q` for which the symmetric ones have a solution.
+    fn problems(n: usize, count: usize) -> (Vec<f64>, Vec<f64>) {
+        let mut random = fastrand::Rng::with_seed(n as u64);
+        let (mut a, mut q) = (Vec::new(), Vec::new());
+        for k in 0..count {
+            let rank = if k % 2 == 0 { n.div_ceil(2) } else { n };
+            let b: Vec<f64> = (0..n * rank).map(|_| random.f64() - 0.5).collect();
+            let x: Vec<f64> = (0..n).map(|_| random.f64() - 0.5).collect();
+            let at = |i: usize, j: usize| {
+                let skew = if k % 4 == 1 { (i as f64 - j as f64) / n as f64 } else { 0.0 };
+                (0..rank).map(|l| b[i * rank + l] * b[j * rank + l]).sum::<f64>() + skew
+            };
+            q.extend((0..n).map(|i| (-x[i]).max(0.0) - (0..n).map(|j| at(i, j) * x[j].max(0.0)).sum::<f64>()));
+            a.extend((0..n * n).map(|e| at(e / n, e % n)));
+        }
+        (a, q)
+    }
+
+    /// Bits of what each kernel finds, problem by problem, and how many problems it solves.
+    fn answers<X: Lane<Number = f64>>(n: usize, a: &[f64], q: &[f64]) -> (Vec<u64>, [usize; 3]) {
+        let (mut tile, mut pivots) = (Tile::<X>::new(n), Pivots::<X>::new(n));
+        let (mut bits, mut solved) = (Vec::new(), [0; 3]);
+        for first in (0..q.len() / n).step_by(X::LANES) {
+            let mut blocks = [0; MOST_LANES];
+            for (l, block) in blocks.iter_mut().enumerate() {
+                *block = first + l;
+            }
+            columns(Numbers::Double(a), n * n, &blocks, &mut [], &mut tile.a);
+            columns(Numbers::Double(q), n, &blocks, &mut [], &mut tile.q);
+            let mut of_tile: Vec<Vec<u64>> = vec![Vec::new(); X::LANES];
+            for (kernel, solved) in solved.iter_mut().enumerate() {
+                let mut count = [0; MOST_LANES];
+                let lanes = match kernel {
+                    0 => {
+                        for i in 0..n {
+                            tile.alpha[i] = tile.q[i].lt(X::splat(0.0));
+                        }
+                        let (iterations, lanes) = newton::<X, 0>(n, &mut tile, X::Mask::ALL, false, FACTORISATIONS);
+                        refine::<X, 0>(n, &mut tile, lanes);
+                        count = iterations;
+                        lanes
+                    }
+                    1 => {
+                        let lanes = pivots.solve::<0>(n, &mut tile, X::Mask::ALL, 10 * n, &mut count);
+                        pivots.refine::<0>(n, &mut tile, lanes);
+                        lanes
+                    }
+                    _ if n <= MINORS_ORDER => {
+                        let (lanes, place) = enumerate(n, &mut tile);
+                        multiply::<X, 0>(n, &mut tile);
+                        count = place;
+                        lanes
+                    }
+                    _ => X::Mask::NONE,
+                };
+                let verdict = verify::<X, 0>(n, &tile.a, &tile.q, &tile.z, &tile.w, 1e-9);
+                let lanes = lanes.and(verdict.solved);
+                for l in (0..X::LANES).filter(|&l| lanes.get(l)) {
+                    *solved += 1;
+                    of_tile[l].push(u64::from(count[l]));
+                    for i in 0..n {
+                        of_tile[l].extend([tile.z[i].get(l).to_bits(), tile.w[i].get(l).to_bits()]);
+                    }
+                }
+            }
+            bits.extend(of_tile.into_iter().flatten());
+        }
+        (bits, solved)
+    }
+
+    /// One wheel for every machine: each type of lane finds the same bits, and all find answers.
+    #[test]
+    fn every_kind_of_lane_finds_the_same_bits() {
+        for n in [1, 2, 3, 5, 8, 13, 16, 17, 21, 24] {
+            let (a, q) = problems(n, 64);
+            let expected = answers::<F64x8<true>>(n, &a, &q);
+            assert!(expected.1[0] > 20 && expected.1[1] > 30, "n = {n}: solved {:?}", expected.1);
+            assert!(n > MINORS_ORDER || expected.1[2] > 30, "n = {n}: solved {:?}", expected.1);
+            assert_eq!(expected, answers::<Pair<F64x8<true>>>(n, &a, &q), "n = {n}, pairs");
+            #[cfg(target_arch = "x86_64")]
+            {
+                use crate::small::avx::{Ymm2, Zmm};
+                if is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") {
+                    assert_eq!(expected, answers::<Ymm2>(n, &a, &q), "n = {n}, AVX2");
+                }
+                if is_x86_feature_detected!("avx512f") && is_x86_feature_detected!("avx512dq") {
+                    assert_eq!(expected, answers::<Zmm>(n, &a, &q), "n = {n}, AVX-512");
+                    assert_eq!(expected, answers::<Pair<Zmm>>(n, &a, &q), "n = {n}, pairs of AVX-512");
+                }
+            }
+        }
+    }
+}
