@@ -283,6 +283,13 @@ def test_auto_meets_a_loose_tolerance(family, tol):
     assert_solves(A, q, lcpstar.solve(A, q, tol=tol), tol)
 
 
+def test_auto_takes_a_matrix_for_symmetric_that_is_so_up_to_rounding():
+    A, q = problems.sphere_pile(40, seed=0)
+    rounded = A * (1 + 1e-15 * np.random.default_rng(0).standard_normal(A.shape))
+    assert {lcpstar.solve(M, q, tol=1e-3).method for M in (A, rounded)} <= {"nncg", "pgs_sm"}
+    assert lcpstar.solve(A, q).method not in ("nncg", "pgs_sm")
+
+
 def test_auto_falls_back_on_the_exact_portfolio():
     """Friction and games have zeros on the diagonal: no sweep solves them, auto does."""
     for A, q in (problems.stewart_trinkle(8, 0), problems.bimatrix(20, 0), problems.murty(40)):

@@ -8,6 +8,7 @@ use crate::certify::certify;
 use crate::control::Control;
 use crate::iterative::{Dense, Goal, Matrix};
 use crate::methods::{nncg, pgs_sm};
+use crate::problem::Lcp;
 use crate::scaling::Equilibrated;
 use crate::solution::{Candidate, Solution};
 use crate::status::{Status, Termination};
@@ -50,13 +51,13 @@ pub(super) fn auto(problem: &Equilibrated<'_>, settings: &Settings, control: &Co
     solution
 }
 
-/// For symmetric A: conjugate gradients while they promise to get there, then subspace minimisation from their point.
+/// For symmetric A, up to the rounding of whoever made it: conjugate gradients while they promise to get there, then subspace minimisation from their point.
 /// For other A a sweep promises nothing, and the portfolio is as quick.
 fn loosely(problem: &Equilibrated<'_>, settings: &Settings, control: &Control<'_>) -> Option<Solution> {
-    let matrix = Dense::new(&problem.lcp);
-    if !matrix.is_symmetric() || !sweeps_apply(problem) {
+    if !sweeps_apply(problem) || !is_nearly_symmetric(problem.original) {
         return None;
     }
+    let matrix = Dense::new(&problem.lcp);
     let scaling = &problem.scaling;
     let goal = Goal::new(settings.tol, scaling, scaling, problem.original.q());
     let n = matrix.n();
@@ -93,6 +94,16 @@ fn with_limit<'a>(control: &Control<'a>, limit: usize) -> Control<'a> {
 /// The same limits less the iterations spent.
 fn with_spent<'a>(control: &Control<'a>, spent: usize) -> Control<'a> {
     control.with_max_iterations(control.max_iterations.map(|limit| limit.saturating_sub(spent)))
+}
+
+/// `|a_ij - a_ji| <= 1e-6 (a_ii a_jj)^(1/2)`, for a positive diagonal.
+fn is_nearly_symmetric(lcp: &Lcp) -> bool {
+    let n = lcp.n();
+    let near = |i: usize, j: usize| {
+        let difference = lcp.row(i)[j] - lcp.row(j)[i];
+        difference == 0.0 || difference * difference <= 1e-12 * lcp.row(i)[i] * lcp.row(j)[j]
+    };
+    (0..n).all(|i| (0..i).all(|j| near(i, j)))
 }
 
 /// A sweep needs a positive diagonal; where an entry is not, the attempt would only cost time.
