@@ -1,12 +1,13 @@
 //! How far `z` is from solving LCP(q, A): `w` in twice the working precision, and the natural residual.
 
-use crate::linalg::kernels::{dot_compensated, max_abs};
+use crate::linalg::compensated::affine_compensated;
+use crate::linalg::kernels::max_abs;
 use crate::problem::Lcp;
 
 /// `w = A z + q` (Dot2 of [ORO05]) and its rounding scale `|A||z| + |q|`, row by row. O(n^2).
 #[must_use]
 pub fn slack(lcp: &Lcp, z: &[f64]) -> (Vec<f64>, Vec<f64>) {
-    (0..lcp.n()).map(|i| dot_compensated(lcp.q()[i], lcp.row(i), z)).unzip()
+    affine_compensated(lcp.q(), lcp.a(), z)
 }
 
 /// The natural residual `max_i |min(z_i, w_i)|`; NaN if any entry is. [CPS92, sec. 5.10]

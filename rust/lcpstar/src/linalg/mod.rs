@@ -2,6 +2,7 @@
 
 pub mod backend;
 pub mod blocked;
+pub mod compensated;
 pub mod dd;
 pub mod kernels;
 pub mod update;

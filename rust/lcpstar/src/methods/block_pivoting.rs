@@ -20,7 +20,7 @@ pub struct Settings {
     pub alpha: Option<Vec<usize>>,
     /// Whether Murty's rule takes over; otherwise the method gives up there.
     pub murty: bool,
-    /// Added to the diagonal of a symmetric A once a block is singular, 0 for never; for A of entries near 1.
+    /// Added to the diagonal of a symmetric A once a block of most indices is singular, 0 for never; for A of entries near 1.
     pub shift: f64,
 }
 
@@ -123,7 +123,8 @@ impl<'a> Search<'a> {
     }
 
     /// Factors the block. Where A is symmetric and the block is not positive definite, it is shifted if the settings say
-    /// so: a singular block of a PSD matrix then becomes one of a P-matrix nearby.
+    /// so: a singular block of a PSD matrix then becomes one of a P-matrix nearby. Only where most indices are in the set, as in
+    /// stacks: with smaller sets the exchanges rarely settle.
     fn factor(&mut self, block: &mut Block, alpha: &[usize]) -> bool {
         if !self.symmetric {
             return block.factor(self.lcp, alpha);
@@ -131,7 +132,8 @@ impl<'a> Search<'a> {
         if block.factor_symmetric(self.lcp, alpha, self.shift) {
             return true;
         }
-        if self.settings.shift == 0.0 || self.shift > 0.0 {
+        let mostly = 4 * alpha.len() > 3 * self.lcp.n();
+        if self.settings.shift == 0.0 || self.shift > 0.0 || !mostly {
             // Not P; the caller who asks for this method may mean it all the same.
             return self.settings.murty && block.factor(self.lcp, alpha);
         }
