@@ -5,7 +5,7 @@ use lcpstar::driver::Method;
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 
-use crate::errors::{Signals, enter_core, to_python};
+use crate::errors::{Signals, enter_core, return_within, to_python};
 
 /// A guess of the supports, in one of three forms.
 #[derive(FromPyObject)]
@@ -90,12 +90,15 @@ pub fn solve_batch<'py>(
         Some(GuessArray::Flags(v)) => Guess::Flags(v.as_slice()?),
         Some(GuessArray::Points(v)) => Guess::Points(v.as_slice()?),
     };
-    let (z, w) = (PyArray2::zeros(py, [count, n], false), PyArray2::zeros(py, [count, n], false));
-    let (status, method_code) = (PyArray1::zeros(py, count, false), PyArray1::zeros(py, count, false));
-    let iterations = PyArray1::zeros(py, count, false);
-    let (residual, natural) = (PyArray1::zeros(py, count, false), PyArray1::zeros(py, count, false));
-    let masks = PyArray1::<u64>::zeros(py, if n <= 64 { count } else { 0 }, false);
-    let flags = PyArray2::<bool>::zeros(py, if n <= 64 { [0, n] } else { [count, n] }, false);
+    let points = || (PyArray2::zeros(py, [count, n], false), PyArray2::zeros(py, [count, n], false));
+    let codes = || (PyArray1::zeros(py, count, false), PyArray1::zeros(py, count, false));
+    let residuals = || (PyArray1::zeros(py, count, false), PyArray1::zeros(py, count, false));
+    let supports = || {
+        let masks = PyArray1::<u64>::zeros(py, if n <= 64 { count } else { 0 }, false);
+        (masks, PyArray2::<bool>::zeros(py, if n <= 64 { [0, n] } else { [count, n] }, false))
+    };
+    let allocate = || (points(), codes(), PyArray1::zeros(py, count, false), residuals(), supports());
+    let ((z, w), (status, method_code), iterations, (residual, natural), (masks, flags)) = return_within(py, allocate);
     let signals = Signals::new();
     {
         let (mut z, mut w) = (z.try_readwrite()?, w.try_readwrite()?);
