@@ -53,6 +53,41 @@ UNSOLVABLE = {
 }
 
 
+# Exactly unsolvable, solvable for a neighbour closer than rounding.
+ALMOST = {
+    "a tie that rounding breaks": (
+        [
+            [0, 0, 2.0**10, -(2.0**-16), 0],
+            [2.0**7, 2.0**-40, 2.0**-4, -(2.0**-30), 2.0**-22],
+            [-(2.0**11), 2.0**-36, 1, -(2.0**-26), -(2.0**-18)],
+            [2.0**56, -(2.0**9), -(2.0**45), 0, -(2.0**27)],
+            [0, 0, 2.0**-19, -(2.0**-45), 2.0**-37],
+        ],
+        [-3 * 2.0**-25, 0, 0, -3 * 2.0**-25, 3 * 2.0**-25],
+    ),
+    "a ray so long that q is below its rounding": (
+        [
+            [-(2.0**35), -0.25, 2.0**-6, 2, -(2.0**-6)],
+            [2.0**-35, -(2.0**-72), 0, -(2.0**-70), 2.0**-77],
+            [2.0**-27, 2.0**-64, -(2.0**-68), 0, 2.0**-69],
+            [-(2.0**-8), -(2.0**-45), 0, 2.0**-42, -(2.0**-49)],
+            [0, -(2.0**-74), 2.0**-78, 2.0**-71, -(2.0**-79)],
+        ],
+        [2.0**25, -3 * 2.0**25, 3 * 2.0**25, 0, 2.0**26],
+    ),
+}
+
+
+@pytest.mark.parametrize("name", ALMOST)
+def test_almost_solvable_is_not_solved(name):
+    A, q = ALMOST[name]
+    assert not exactly_solvable(A, q)
+    sol = lcpstar.solve(A, q)
+    assert sol.status != "solved"
+    if sol.status == "infeasible":
+        assert lcpstar.verify(A, q, sol)
+
+
 @pytest.mark.parametrize("method", [*POINTS, "batch"])
 @pytest.mark.parametrize("name", UNSOLVABLE)
 def test_no_solution_no_claim(name, method):

@@ -3,7 +3,7 @@
 //! Deterministic; the first member whose point is certified (solved, or infeasible with a checked Farkas vector) answers
 //! and is named in the result. A member that fails costs its pivot budget, never the answer.
 
-use super::{Certify, Settings, small, support};
+use super::{Certify, Settings, prove, small, support};
 use crate::certify::certify;
 use crate::control::Control;
 use crate::linalg::dd::Dd;
@@ -12,6 +12,7 @@ use crate::methods::{
     principal_pivoting as criss_cross,
 };
 use crate::problem::Lcp;
+use crate::residual::slack;
 use crate::scaling::Equilibrated;
 use crate::small::TINY_ORDER;
 use crate::solution::{Candidate, Solution};
@@ -164,6 +165,29 @@ pub(super) fn auto(problem: &Equilibrated<'_>, settings: &Settings, control: &Co
             }
         }
     }
+    let solution = last_resorts(race, settings);
+    if solution.status == Status::Solved && settings.certify == Certify::Float && is_doubtful(problem, &solution) {
+        return prove::or_withdrawn(problem, solution, settings.tol, control);
+    }
+    solution
+}
+
+/// Whether a solution that only the last resorts found should be proved exactly or withdrawn: where q_i hardly shows beside
+/// the terms of its row, z may solve LCP(0, A) and not this problem. A proof is cheap beside the attempts that failed.
+fn is_doubtful(problem: &Equilibrated<'_>, solution: &Solution) -> bool {
+    let lcp = problem.original;
+    let magnitudes = slack(lcp, &solution.z).1;
+    lcp.n() <= DOUBTED_UP_TO && lcp.q().iter().zip(magnitudes).any(|(&q, m)| q != 0.0 && q.abs() < HARDLY_SHOWS * m)
+}
+
+const DOUBTED_UP_TO: usize = 16;
+const HARDLY_SHOWS: f64 = 1e-6;
+
+/// What [`auto`] tries where A has no structure that helps: Lemke and its restarts, the interior point method, successive
+/// linear programmes, all index sets.
+fn last_resorts(mut race: Race<'_>, settings: &Settings) -> Solution {
+    let problem = race.problem;
+    let lcp = &problem.lcp;
     if lemke_members(&mut race, super::DEFAULT_RESTARTS, 0) {
         return race.finish();
     }
@@ -173,7 +197,7 @@ pub(super) fn auto(problem: &Equilibrated<'_>, settings: &Settings, control: &Co
         return race.finish();
     }
     let options = bilinear::Settings::default();
-    if !race.run("bilinear", |control| bilinear::bilinear(lcp, &options, control)) && n <= ENUMERATE_UP_TO {
+    if !race.run("bilinear", |control| bilinear::bilinear(lcp, &options, control)) && lcp.n() <= ENUMERATE_UP_TO {
         race.run("enumerate", |control| enumerate::enumerate(lcp, control));
     }
     race.finish()

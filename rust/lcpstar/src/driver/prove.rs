@@ -71,6 +71,30 @@ pub(super) fn prove(problem: &Equilibrated<'_>, mut solution: Solution, tol: f64
     solution
 }
 
+/// A proof that the problem has a solution near `solution` or none at all; failing both, `solution` is not called one.
+pub(super) fn or_withdrawn(
+    problem: &Equilibrated<'_>,
+    solution: Solution,
+    tol: f64,
+    control: &Control<'_>,
+) -> Solution {
+    let residual = solution.residual;
+    let mut solution = prove(problem, solution, tol, control);
+    let unproved = !matches!(
+        solution.certificate,
+        Some(Certificate::Solution { exact: Some(_), .. } | Certificate::Infeasible { exact: Some(_), .. })
+    );
+    if unproved {
+        solution.status = Status::NumericalBreakdown;
+        solution.certificate = None;
+        solution.message = format!(
+            "only rounding decides whether this is a solution: residual {residual:.2e}, and no exact solution was found \
+             near it; try lcpstar.solutions"
+        );
+    }
+    solution
+}
+
 /// An exact solution next to `solution`: at its basis; on its support with the rows that are tight; at the basis that
 /// Lemke's method in double-doubles reaches from there; on its face; or where exact pivoting ends. Each is checked exactly.
 fn solution_near(
