@@ -89,7 +89,8 @@ fn judge(problem: &Equilibrated<'_>, z: Vec<f64>, tol: f64) -> Judged {
 /// As [`judge`], for any way to compute `w'` and its rounding scale.
 ///
 /// A point that fails is looked at again without the smaller member of each pair, and then without what is rounding error
-/// beside the largest entry: a degenerate z_i that should be zero, in a row that holds nothing else.
+/// beside the largest entry, of one solve or after refinement: a degenerate z_i that should be zero, in a row that holds
+/// nothing else.
 fn judge_point(
     scaling: &Scaling,
     max_q: f64,
@@ -109,15 +110,16 @@ fn judge_point(
         z.fill(0.0); // no iterate worth keeping
     }
     let (w, magnitude) = slack(&z);
-    let noise = NOISE * max_abs(&z);
+    let largest = max_abs(&z);
     let pairs: Vec<f64> = z.iter().zip(&w).map(|(&z, &w)| if z < w { 0.0 } else { z }).collect();
-    let without_noise: Vec<f64> = pairs.iter().map(|&z| if z <= noise { 0.0 } else { z }).collect();
+    let without = |noise: f64| pairs.iter().map(|&z| if z <= noise * largest { 0.0 } else { z }).collect();
+    let (without_noise, without_dust): (Vec<f64>, Vec<f64>) = (without(NOISE), without(NOISE * NOISE));
     let first = measure(scaling, max_q, z, w, magnitude, tol, floor);
     if first.solves {
         return first;
     }
     let mut seen = scaling.z_from_caller(&first.z);
-    for z in [pairs, without_noise] {
+    for z in [pairs, without_noise, without_dust] {
         if z != seen {
             let (w, magnitude) = slack(&z);
             seen.clone_from(&z);
