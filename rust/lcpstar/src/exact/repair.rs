@@ -319,30 +319,22 @@ mod tests {
     use super::super::proof::check_solution;
     use super::super::ray::check_ray;
     use super::*;
+    use fastrand::Rng;
 
     fn never() -> bool {
         false
     }
 
-    struct Draw(u64);
-
-    impl Draw {
-        fn below(&mut self, m: u64) -> f64 {
-            self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-            ((self.0 >> 33) % m) as f64
-        }
-    }
-
     #[test]
     fn every_start_of_degenerate_integer_problems_ends_in_a_proof() {
-        let mut draw = Draw(3);
+        let mut draw = Rng::with_seed(3);
         let (mut solved, mut rays) = (0, 0);
         for n in [1, 2, 3, 4, 5] {
             for _ in 0..60 {
-                let a: Vec<f64> = (0..n * n).map(|_| draw.below(4) - 1.0).collect();
-                let q: Vec<f64> = (0..n).map(|_| draw.below(4) - 2.0).collect();
+                let a: Vec<f64> = (0..n * n).map(|_| f64::from(draw.u32(..4)) - 1.0).collect();
+                let q: Vec<f64> = (0..n).map(|_| f64::from(draw.u32(..4)) - 2.0).collect();
                 let lcp = Lcp::new(n, a, q).expect("valid");
-                let alpha: Vec<usize> = (0..n).filter(|_| draw.below(2) == 0.0).collect();
+                let alpha: Vec<usize> = (0..n).filter(|_| draw.bool()).collect();
                 match repair(&lcp, &alpha, &never) {
                     Repaired::Solved(s, pivots) => {
                         assert!(check_solution(&lcp, &s.z) && pivots < 100);
@@ -361,17 +353,17 @@ mod tests {
 
     #[test]
     fn positive_definite_problems_are_solved_from_any_start() {
-        let mut draw = Draw(11);
+        let mut draw = Rng::with_seed(11);
         for n in [3, 8, 15] {
-            let b: Vec<f64> = (0..n * n).map(|_| draw.below(1000) / 7.0 - 70.0).collect();
+            let b: Vec<f64> = (0..n * n).map(|_| f64::from(draw.u32(..1000)) / 7.0 - 70.0).collect();
             let a: Vec<f64> = (0..n * n)
                 .map(|ij| {
                     (0..n).map(|k| b[ij / n * n + k] * b[ij % n * n + k]).sum::<f64>() + f64::from(ij / n == ij % n)
                 })
                 .collect();
-            let q: Vec<f64> = (0..n).map(|_| draw.below(1000) / 3.0 - 200.0).collect();
+            let q: Vec<f64> = (0..n).map(|_| f64::from(draw.u32(..1000)) / 3.0 - 200.0).collect();
             let lcp = Lcp::new(n, a, q).expect("valid");
-            let alpha: Vec<usize> = (0..n).filter(|_| draw.below(2) == 0.0).collect();
+            let alpha: Vec<usize> = (0..n).filter(|_| draw.bool()).collect();
             let Repaired::Solved(s, _) = repair(&lcp, &alpha, &never) else { panic!("a ray on a P-matrix") };
             assert!(check_solution(&lcp, &s.z));
             let Repaired::Solved(again, pivots) = repair(&lcp, &s.alpha, &never) else { panic!("solved before") };
