@@ -89,6 +89,18 @@ def test_almost_solvable_is_not_solved(name):
         assert lcpstar.verify(A, q, sol)
 
 
+def test_a_point_beside_which_nobody_sees_q():
+    """ADMM diverges to z of 1e103 with A z = 0 nearly: w, computed in twice the working precision, is all rounding."""
+    A = np.array([[-3, 3, -3, 3, -3, -3], [-3, 3, 0, 3, -3, 3], [3, 3, 3, 3, -3, 3], [3, 0, 0, 3, 3, 3],
+                  [0, 3, 3, -3, -3, 3], [3, 3, 3, 3, 3, 3]], float)  # fmt: skip
+    q = np.array([-3.0, -3.0, 0.0, -3.0, -3.0, -3.0])
+    for tol in (1e-14, 1e-9, 1e-3):
+        for method in ("admm", *POINTS):
+            sol = lcpstar.solve(A, q, method=method, tol=tol)
+            if sol.success:
+                assert np.max(np.abs(np.minimum(sol.z, A @ sol.z + q))) <= 3 * max(tol, 1e-6)
+
+
 @pytest.mark.parametrize("method", [*POINTS, "batch"])
 @pytest.mark.parametrize("name", UNSOLVABLE)
 def test_no_solution_no_claim(name, method):

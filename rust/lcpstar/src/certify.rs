@@ -5,7 +5,9 @@ mod extreme;
 
 use crate::exact::sufficiency::{self, NotSufficient};
 use crate::linalg::kernels::max_abs;
-use crate::residual::{ABSOLUTE, SPARSE_FLOOR, equilibrated_residual, holds_alone, natural_residual, slack};
+use crate::residual::{
+    ABSOLUTE, SPARSE_FLOOR, equilibrated_residual, holds_alone, natural_residual, slack, slack_error,
+};
 use crate::scaling::{Equilibrated, ORDINARY, Scaling};
 use crate::solution::{Candidate, Certificate, Ray, Solution};
 use crate::sparse::SparseLcp;
@@ -151,6 +153,7 @@ fn measure(
     floor: f64,
 ) -> Judged {
     let residual = equilibrated_residual(&z, &w);
+    let violation = natural_residual(&z, &w) + slack_error(z.len(), max_abs(&magnitude));
     let rows_hold = (0..z.len()).all(|i| holds_alone(z[i], w[i], magnitude[i], tol, floor));
     let caller_z = scaling.z_to_caller(&z);
     let caller_w = scaling.w_to_caller(&w);
@@ -162,7 +165,7 @@ fn measure(
         .zip(&magnitude)
         .all(|((&z, &w), &m)| z.is_finite() && w.is_finite() && z.min(w).abs() <= allowed + 8.0 * f64::EPSILON * m);
     Judged {
-        solves: residual <= tol && natural_residual(&z, &w) <= tol.max(ABSOLUTE) && rows_agree && rows_hold,
+        solves: residual <= tol && violation <= tol.max(ABSOLUTE) && rows_agree && rows_hold,
         residual,
         natural_residual: natural_residual(&caller_z, &caller_w),
         z: caller_z,
@@ -358,6 +361,16 @@ mod tests {
         let found = verdict(&[0.0, 1.0, 1.0, 0.0], &[-1.0, -1.0], &[1e16, 1.0], 1e-9);
         assert_eq!(found.status, Status::NumericalBreakdown);
         assert!(found.residual <= 1e-9 && !found.message.contains(" > tol"), "{}", found.message);
+    }
+
+    #[test]
+    fn a_z_beside_which_nobody_sees_q_solves_nothing() {
+        // w = A z + q = q exactly, but for what rounding adds.
+        let a = [1.0, -1.0, 1.0, -1.0];
+        for size in [1e12, 1e25, 1e100] {
+            let found = verdict(&a, &[-1.0, -1.0], &[size, size], 1e-9);
+            assert_ne!(found.status, Status::Solved, "{size}");
+        }
     }
 
     #[test]
