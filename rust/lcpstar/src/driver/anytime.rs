@@ -14,7 +14,7 @@ use crate::solution::{Candidate, Solution};
 use crate::status::{Status, Termination};
 
 /// From this `tol` on, an approximate answer may be all that is asked for.
-const LOOSE: f64 = 1e-6;
+pub(super) const LOOSE: f64 = 1e-6;
 /// Sweeps of conjugate gradients between two looks at their progress.
 const CHUNK: usize = 16;
 /// They go on while their rate promises the goal after `max(40, n / 4)` sweeps: beyond that a few factorisations cost less.

@@ -55,13 +55,7 @@ mod avx512 {
     /// The rows `row(k)` for `k < count`.
     #[inline]
     #[target_feature(enable = "avx512f")]
-    fn all(
-        count: usize,
-        row: impl Fn(usize) -> usize,
-        start: &[f64],
-        a: &[f64],
-        x: &[f64],
-    ) -> (Vec<f64>, Vec<f64>) {
+    fn all(count: usize, row: impl Fn(usize) -> usize, start: &[f64], a: &[f64], x: &[f64]) -> (Vec<f64>, Vec<f64>) {
         let (mut y, mut m) = (vec![0.0; count], vec![0.0; count]);
         let mut k = 0;
         while k < count {
