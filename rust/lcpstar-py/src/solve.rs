@@ -95,12 +95,19 @@ pub fn solve(
     let settings = Settings { method, tol, z0: z0.as_ref().map(vector), certify };
     let deadline = deadline(py, start, time_limit)?;
     let control = Control { max_iterations, deadline, interrupted: None };
-    if let Some(solution) = enter_core_briefly(py, || Ok(driver::solve_briefly(&lcp, &settings, &control)))? {
+    let brief = lcp.n() <= driver::BRIEF_UP_TO;
+    if brief && let Some(solution) = enter_core_briefly(py, || Ok(driver::solve_briefly(&lcp, &settings, &control)))? {
         return Ok(Some(PySolution::new(solution, start.elapsed().as_secs_f64())));
     }
     let signals = Signals::since(start);
     let control = Control { interrupted: Some(&|| signals.interrupted()), ..control };
-    let solution = enter_core(py, || driver::solve_at_length(&lcp, &settings, &control))?;
+    let solution = enter_core(py, || {
+        if brief {
+            driver::solve_at_length(&lcp, &settings, &control)
+        } else {
+            driver::solve(&lcp, &settings, &control)
+        }
+    })?;
     signals.raise()?;
     Ok(Some(PySolution::new(solution, start.elapsed().as_secs_f64())))
 }

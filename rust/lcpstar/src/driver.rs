@@ -159,12 +159,15 @@ pub fn solve(lcp: &Lcp, settings: &Settings, control: &Control<'_>) -> Result<So
     }
 }
 
-/// The first step of [`solve`], a few microseconds at most: the kernel for small problems. `None` says nothing about the
-/// problem or the settings.
+/// The first step of [`solve`]: the kernel for small problems, microseconds up to order [`BRIEF_UP_TO`]. `None` says nothing
+/// about the problem or the settings.
 #[must_use]
 pub fn solve_briefly(lcp: &Lcp, settings: &Settings, control: &Control<'_>) -> Option<Solution> {
     small::solve(lcp, settings, control)
 }
+
+/// Order up to which [`solve_briefly`] takes microseconds: too short for a lock to be handed over.
+pub const BRIEF_UP_TO: usize = 64;
 
 /// What follows in [`solve`].
 ///

@@ -65,18 +65,6 @@ pub fn exponent(x: f64) -> i32 {
     }
 }
 
-/// [`exponent`] of each.
-fn exponents(x: &[f64]) -> Vec<i32> {
-    let mut exponents = vec![0; x.len()];
-    if kernels::biased_exponents(x, &mut exponents) {
-        return x.iter().map(|&x| exponent(x)).collect();
-    }
-    for e in &mut exponents {
-        *e = if *e == 0 { ZERO } else { *e - 1022 };
-    }
-    exponents
-}
-
 /// The exponent given to zero: smaller than any real one, whatever is added to it.
 const ZERO: i32 = -1_000_000;
 
@@ -124,14 +112,16 @@ impl Scaling {
     /// The exponents of `D_r` and `D_c`.
     fn sweeps(lcp: &Lcp) -> (Vec<i32>, Vec<i32>) {
         let n = lcp.n();
-        let exponents = exponents(lcp.a());
         let (mut rows, mut columns) = (vec![0; n], vec![0; n]);
         let (mut row_max, mut column_max) = (vec![ZERO; n], vec![ZERO; n]);
         for _ in 0..SWEEPS {
             column_max.fill(ZERO);
             for i in 0..n {
-                let row = &exponents[i * n..(i + 1) * n];
-                row_max[i] = kernels::max_of_sums(row, &columns, rows[i], &mut column_max);
+                let (row, r) = (lcp.row(i), rows[i]);
+                row_max[i] = kernels::max_exponents(row, ZERO, &columns, r, &mut column_max).unwrap_or_else(|| {
+                    row.iter().zip(&mut column_max).for_each(|(&x, m)| *m = (*m).max(exponent(x) + r));
+                    row.iter().zip(&columns).map(|(&x, c)| exponent(x) + c).max().unwrap_or(ZERO)
+                });
             }
             let mut changed = false;
             for i in 0..n {
@@ -143,6 +133,12 @@ impl Scaling {
             }
         }
         (rows, columns)
+    }
+
+    /// Whether every factor, and every product of one of `D_r` and one of `D_c`, is a normal number.
+    #[must_use]
+    pub fn is_moderate(&self) -> bool {
+        self.rows.iter().chain(&self.columns).all(|e| e.abs() <= MODERATE)
     }
 
     /// The scaling `D A D` nearest to `D_r A D_c`: congruent to A, so that PSD stays PSD.
@@ -235,8 +231,7 @@ fn halve(exponent: &mut i32, largest: i32) -> bool {
 /// `D_r A D_c`.
 fn scaled_matrix(lcp: &Lcp, scaling: &Scaling) -> Vec<f64> {
     let n = lcp.n();
-    let is_moderate = |e: &i32| e.abs() <= MODERATE;
-    if scaling.rows.iter().chain(&scaling.columns).all(is_moderate) {
+    if scaling.is_moderate() {
         let mut a = vec![0.0; n * n];
         let factors: Vec<f64> = scaling.columns.iter().map(|&c| power_of_two(c)).collect();
         for (i, out) in a.chunks_exact_mut(n).enumerate() {

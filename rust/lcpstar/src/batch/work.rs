@@ -190,7 +190,7 @@ impl<X: Lane<Number = f64>> Worker<X> {
                 let z0 = (0..n).map(|i| f64::from(u8::from(settings.guess.contains(n, place, i, false)))).collect();
                 general.z0 = Some(z0);
             } else if by_tableau {
-                let judged = self.tableau.solve_and_verify(n, &self.a, &self.q, &mut self.w, settings.tol);
+                let judged = self.tableau.solve_and_verify(n, &self.a, &self.q, None, &mut self.w, settings.tol);
                 if let Some(judged) = judged {
                     for i in 0..n {
                         output.z[k * n + i] = self.tableau.z(i);

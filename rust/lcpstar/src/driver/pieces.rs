@@ -5,7 +5,9 @@ use crate::certify::certify;
 use crate::control::Control;
 use crate::linalg::kernels::dot_compensated;
 use crate::presolve::{self, Part, Plan};
+use crate::problem::Lcp;
 use crate::scaling::Equilibrated;
+use crate::small::TINY_ORDER;
 use crate::solution::{Candidate, Certificate, Piece, Solution};
 use crate::status::{Status, Termination};
 
@@ -53,14 +55,17 @@ impl<'a> Assembly<'a> {
     fn solve(&mut self, plan: &Plan, control: &Control<'_>) -> Option<Termination> {
         for part in &plan.parts {
             let left = control.max_iterations.map(|limit| limit.saturating_sub(self.iterations));
-            let solution = self.part(part, &control.with_max_iterations(left));
-            self.iterations += solution.iterations;
-            self.pieces.push((part.indices.clone(), solution.method));
-            for (&i, z) in part.indices.iter().zip(&solution.z) {
-                self.z[i] = *z;
+            let control = &control.with_max_iterations(left);
+            let lcp = subproblem(self.problem.original, part, &self.z);
+            if let Some((z, alpha, iterations)) = self.unverified(&lcp, control) {
+                self.add(part, &z, &alpha, "block_pivoting", iterations);
+                continue;
             }
+            let solution = self.part(part, &lcp, control);
+            let alpha = if solution.status == Status::Solved { &solution.alpha[..] } else { &[] };
+            self.add(part, &solution.z, alpha, solution.method, solution.iterations);
             match solution.status {
-                Status::Solved => self.alpha.extend(solution.alpha.iter().map(|&i| part.indices[i])),
+                Status::Solved => {}
                 Status::Infeasible => {
                     self.set_farkas(part, solution.certificate);
                     return Some(Termination::Infeasible);
@@ -74,21 +79,28 @@ impl<'a> Assembly<'a> {
         Some(Termination::ComplementaryBasis)
     }
 
-    /// One part on the caller's numbers, as a problem of its own.
-    fn part(&self, part: &Part, control: &Control<'_>) -> Solution {
-        let original = self.problem.original;
-        let q = |i: usize| {
-            if part.follows { dot_compensated(original.q()[i], original.row(i), &self.z).0 } else { original.q()[i] }
-        };
-        let lcp = presolve::subproblem(original, &part.indices, part.indices.iter().map(|&i| q(i)).collect());
+    /// Remembers what a part came to.
+    fn add(&mut self, part: &Part, z: &[f64], alpha: &[usize], method: &'static str, iterations: usize) {
+        part.indices.iter().zip(z).for_each(|(&i, z)| self.z[i] = *z);
+        self.alpha.extend(alpha.iter().map(|&i| part.indices[i]));
+        self.pieces.push((part.indices.clone(), method));
+        self.iterations += iterations;
+    }
+
+    /// A large part by block pivoting on the caller's numbers, if that is quick: no verdict of its own, since the whole gets one.
+    fn unverified(&self, lcp: &Lcp, control: &Control<'_>) -> Option<(Vec<f64>, Vec<usize>, usize)> {
+        let asked = self.settings.z0.is_none() && control.max_iterations.is_none();
+        (asked && lcp.n() > TINY_ORDER).then(|| small::by_block_pivoting(lcp, control)).flatten()
+    }
+
+    /// One part as a problem of its own.
+    fn part(&self, part: &Part, lcp: &Lcp, control: &Control<'_>) -> Solution {
         let z0 = self.settings.z0.as_ref().map(|z0| part.indices.iter().map(|&i| z0[i]).collect());
         let settings = Settings { z0, ..self.settings.clone() };
-        if !small::block_pivoting_first(&lcp)
-            && let Some(solution) = small::solve_part(&lcp, &settings, control)
-        {
+        if let Some(solution) = small::solve_part(lcp, &settings, control) {
             return solution;
         }
-        let problem = Equilibrated::new(&lcp);
+        let problem = Equilibrated::new(lcp);
         at_once(&problem, &settings).unwrap_or_else(|| portfolio::auto(&problem, &settings, control))
     }
 
@@ -114,8 +126,14 @@ impl<'a> Assembly<'a> {
     }
 }
 
+/// One part on the caller's numbers, where the parts before it have the solution `z`.
+pub(super) fn subproblem(lcp: &Lcp, part: &Part, z: &[f64]) -> Lcp {
+    let q = |i: usize| if part.follows { dot_compensated(lcp.q()[i], lcp.row(i), z).0 } else { lcp.q()[i] };
+    presolve::subproblem(lcp, &part.indices, part.indices.iter().map(|&i| q(i)).collect())
+}
+
 /// The method that answered every part, but for those with `q >= 0`; `"pieces"` when there are several.
-fn name(pieces: &[Piece]) -> &'static str {
+pub(super) fn name(pieces: &[Piece]) -> &'static str {
     let mut methods = pieces.iter().map(|(_, method)| *method).filter(|method| *method != "trivial");
     match methods.next() {
         None => "trivial",

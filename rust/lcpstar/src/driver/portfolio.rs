@@ -3,7 +3,7 @@
 //! Deterministic; the first member whose point is certified (solved, or infeasible with a checked Farkas vector) answers
 //! and is named in the result. A member that fails costs its pivot budget, never the answer.
 
-use super::{Certify, Settings, polish, prove, small, support, with_limit};
+use super::{Certify, Settings, polish, prove, support, with_limit};
 use crate::certify::certify;
 use crate::control::Control;
 use crate::linalg::dd::Dd;
@@ -14,7 +14,6 @@ use crate::methods::{
 use crate::problem::Lcp;
 use crate::residual::slack;
 use crate::scaling::Equilibrated;
-use crate::small::TINY_ORDER;
 use crate::solution::{Candidate, Solution};
 use crate::status::{Status, Termination};
 
@@ -140,7 +139,7 @@ pub(super) fn auto(problem: &Equilibrated<'_>, settings: &Settings, control: &Co
         let options = block_pivoting::Settings {
             alpha: settings.z0.as_deref().map(support),
             murty: false,
-            shift: if n > TINY_ORDER && settings.certify == Certify::Float { SHIFT } else { 0.0 },
+            shift: if n > SHIFT_FROM && settings.certify == Certify::Float { SHIFT } else { 0.0 },
             ..block_pivoting::Settings::default()
         };
         let found = race.run("block_pivoting", |control| {
@@ -149,12 +148,6 @@ pub(super) fn auto(problem: &Equilibrated<'_>, settings: &Settings, control: &Co
         });
         if found {
             return race.finish();
-        }
-        if small::block_pivoting_first(problem.original)
-            && let Some(mut solution) = small::solve_part(problem.original, settings, control)
-        {
-            solution.iterations += race.iterations;
-            return solution;
         }
     }
     if !warm_first && from_guess(&mut race, settings) {
@@ -218,6 +211,9 @@ const PROGRAMMES_WORK: usize = 1_000_000_000;
 
 /// Largest order at which all index sets are tried when everything else has failed.
 const ENUMERATE_UP_TO: usize = 12;
+
+/// Order above which a singular symmetric problem gets [`SHIFT`]: the kernel rarely fails below it.
+const SHIFT_FROM: usize = 64;
 
 /// Shift of the diagonal for singular symmetric problems that the kernel is too small for: far above rounding, and so far
 /// below 1 that one proximal step makes up for it. Not where a proof is asked for, which needs a nonsingular basis.

@@ -1,41 +1,139 @@
 //! The kernel for small problems in front of the portfolio of `"auto"`.
 
+use super::anytime::LOOSE;
+use super::pieces::{self, subproblem};
 use super::{Certify, Method, Settings};
+use crate::certify::certify;
 use crate::control::Control;
 use crate::linalg::kernels;
-use crate::presolve;
+use crate::methods::block_pivoting;
+use crate::pivoting::basis::basic_point;
+use crate::presolve::{self, Plan};
 use crate::problem::Lcp;
 use crate::residual::natural_residual;
-use crate::small::{TINY_ORDER, TinySolution, solve_one};
-use crate::solution::{Certificate, Solution};
-use crate::status::Status;
+use crate::scaling::{Equilibrated, Scaling};
+use crate::small::{Answer, TINY_ORDER, TinySolution, solve_scaled, verify_point};
+use crate::solution::{Candidate, Certificate, Solution};
+use crate::status::{Status, Termination};
 
-/// Up to this order the kernel goes before everything else; above it, block pivoting goes before it where it can.
-const FIRST_UP_TO: usize = 32;
-
-/// The kernel's verified answer, where presolve leaves the problem whole. `None` says nothing about the problem.
+/// The kernel's verified answer, part by part where presolve finds some. `None` says nothing about the problem.
 pub(super) fn solve(lcp: &Lcp, settings: &Settings, control: &Control<'_>) -> Option<Solution> {
     let n = lcp.n();
-    let whole = n <= TINY_ORDER && presolve::plan(lcp).is_none() && !block_pivoting_first(lcp);
-    if whole { solve_part(lcp, settings, control) } else { None }
+    if n > TINY_ORDER || !is_plain(settings, control) {
+        return None;
+    }
+    if n > KERNEL_UP_TO && (settings.tol >= LOOSE || !kernels::is_symmetric(n, lcp.a())) {
+        return None;
+    }
+    match presolve::plan(lcp) {
+        None => solve_part(lcp, settings, control),
+        Some(plan) => solve_parts(lcp, &plan, settings, control),
+    }
 }
 
-/// Whether block pivoting is tried before the kernel: for symmetric A with a positive diagonal, above a certain order.
-pub(super) fn block_pivoting_first(lcp: &Lcp) -> bool {
-    let n = lcp.n();
-    n > FIRST_UP_TO && (0..n).all(|i| lcp.row(i)[i] > 0.0) && kernels::is_symmetric(n, lcp.a())
-}
-
-/// As [`solve`], for a problem that presolve has left in one part.
-pub(super) fn solve_part(lcp: &Lcp, settings: &Settings, control: &Control<'_>) -> Option<Solution> {
-    let plain = matches!(settings.method, Method::Auto)
+/// Whether nothing but a solution within `tol` is asked for.
+fn is_plain(settings: &Settings, control: &Control<'_>) -> bool {
+    matches!(settings.method, Method::Auto)
         && settings.z0.is_none()
         && settings.certify == Certify::Float
         && settings.tol > 0.0
         && settings.tol < 1.0
-        && control.max_iterations.is_none();
-    if plain { solve_one(lcp.n(), lcp.a(), lcp.q(), settings.tol).map(|answer| solved(&answer)) } else { None }
+        && control.max_iterations.is_none()
 }
+
+/// As [`solve`], for a problem that presolve has left in one part.
+pub(super) fn solve_part(lcp: &Lcp, settings: &Settings, control: &Control<'_>) -> Option<Solution> {
+    let n = lcp.n();
+    if n > TINY_ORDER || !is_plain(settings, control) {
+        return None;
+    }
+    // Where A has zeros, the kernel skips rows, and its pivots are cheaper than factorisations.
+    let by_blocks = n > KERNEL_UP_TO || (n > SWEEPS_FROM && lcp.row(0).iter().all(|&a| a != 0.0));
+    if by_blocks
+        && let Some((z, alpha, iterations)) = by_block_pivoting(lcp, control)
+        && let Some(judged) = verify_point(n, lcp.a(), lcp.q(), &z, settings.tol)
+    {
+        let certificate = Some(Certificate::Solution { alpha: alpha.clone(), exact: None });
+        let method = if alpha.is_empty() { "trivial" } else { "block_pivoting" };
+        return Some(Solution { method, iterations, certificate, alpha, ..solved(&judged) });
+    }
+    if n > KERNEL_UP_TO {
+        return None;
+    }
+    let scaling = (n > SCALED_FROM && is_unbalanced(lcp)).then(|| Scaling::new(lcp));
+    match solve_scaled(n, lcp.a(), lcp.q(), scaling.as_ref(), settings.tol) {
+        Answer::Solved(answer) => Some(solved(&answer)),
+        Answer::Basis { alpha, iterations } => from_basis(lcp, scaling, alpha, iterations, settings.tol),
+        Answer::None => None,
+    }
+}
+
+/// Up to this order the kernel's pivots are cheaper than the factorisations of the portfolio.
+const KERNEL_UP_TO: usize = 64;
+/// Above this order, a symmetric A gets a few steps of block pivoting before the kernel.
+const SWEEPS_FROM: usize = 32;
+/// Factorisations granted to them.
+const FACTORISATIONS: usize = 8;
+/// Above this order, the kernel works on the equilibrated problem where A is unbalanced.
+const SCALED_FROM: usize = 16;
+
+/// z, its basis and the factorisations of block pivoting on the caller's numbers, for a balanced symmetric A with a positive
+/// diagonal. Not verified.
+pub(super) fn by_block_pivoting(lcp: &Lcp, control: &Control<'_>) -> Option<(Vec<f64>, Vec<usize>, usize)> {
+    let n = lcp.n();
+    if !(0..n).all(|i| lcp.row(i)[i] > 0.0) || is_unbalanced(lcp) || !kernels::is_symmetric(n, lcp.a()) {
+        return None;
+    }
+    let options = block_pivoting::Settings { murty: false, ..block_pivoting::Settings::default() };
+    let found = block_pivoting::block_pivoting(lcp, &options, &control.with_max_iterations(Some(FACTORISATIONS)));
+    Some((found.z.iter().map(|z| z.max(0.0)).collect(), found.alpha?, found.iterations))
+}
+
+/// The kernel's basis, its point solved for again on the original numbers: where many pivots have lost digits, as with mass
+/// ratios of 10^6, the basis may be right all the same.
+fn from_basis(lcp: &Lcp, scaling: Option<Scaling>, mask: u128, iterations: usize, tol: f64) -> Option<Solution> {
+    let alpha: Vec<usize> = (0..lcp.n()).filter(|i| mask >> i & 1 == 1).collect();
+    let problem = Equilibrated::with(lcp, scaling.unwrap_or_else(|| Scaling::new(lcp)));
+    let point = Candidate::point(basic_point(&problem.lcp, &alpha)?, Termination::ComplementaryBasis, iterations);
+    let solution = certify(&problem, Candidate { alpha: Some(alpha), ..point }, "lemke_small", tol);
+    (solution.status == Status::Solved).then_some(solution)
+}
+
+/// Every part by the kernel, the whole verified.
+fn solve_parts(lcp: &Lcp, plan: &Plan, settings: &Settings, control: &Control<'_>) -> Option<Solution> {
+    if plan.parts.iter().any(|part| part.indices.len() > TINY_ORDER) {
+        return None;
+    }
+    let mut z = vec![0.0; lcp.n()];
+    let (mut alpha, mut pieces, mut iterations) = (vec![], vec![], 0);
+    for part in &plan.parts {
+        let solution = solve_part(&subproblem(lcp, part, &z), settings, control)?;
+        part.indices.iter().zip(&solution.z).for_each(|(&i, x)| z[i] = *x);
+        alpha.extend(solution.alpha.iter().map(|&i| part.indices[i]));
+        iterations += solution.iterations;
+        pieces.push((part.indices.clone(), solution.method));
+    }
+    alpha.sort_unstable();
+    let judged = verify_point(lcp.n(), lcp.a(), lcp.q(), &z, settings.tol)?;
+    let method = pieces::name(&pieces);
+    let certificate = Some(Certificate::Solution { alpha: alpha.clone(), exact: None });
+    Some(Solution { method, iterations, certificate, alpha, pieces, ..solved(&judged) })
+}
+
+/// Whether the diagonal spans more than `UNBALANCED`: pivots and rounding of large entries would then be compared with small
+/// ones, and the kernel works on the equilibrated problem. O(n).
+fn is_unbalanced(lcp: &Lcp) -> bool {
+    let (mut least, mut most) = (f64::INFINITY, 0.0_f64);
+    for i in 0..lcp.n() {
+        let size = lcp.row(i)[i].abs();
+        if size > 0.0 {
+            (least, most) = (least.min(size), most.max(size));
+        }
+    }
+    most > UNBALANCED * least
+}
+
+const UNBALANCED: f64 = 1e3;
 
 /// The kernel verified its answer by the rule of [`certify`](crate::certify::certify).
 fn solved(answer: &TinySolution) -> Solution {

@@ -167,27 +167,20 @@ pub fn scale_row(x: &[f64], row_factor: f64, factors: &[f64], out: &mut [f64]) {
     }
 }
 
-/// `max_j (e_j + c_j)`, and `m_j = max(m_j, e_j + r)`.
+/// `max_j (e_j + c_j)` for the binary exponents `e_j` of `x`, with `2^(e-1) <= |x| < 2^e`, and `m_j = max(m_j, e_j + r)`; zeros
+/// count with the exponent `zero`. `None` where x holds a subnormal number.
 #[multiversion(targets("x86_64+avx512f", "x86_64+avx2+fma", "aarch64+neon"))]
-pub fn max_of_sums(e: &[i32], c: &[i32], r: i32, m: &mut [i32]) -> i32 {
-    let mut largest = i32::MIN;
-    for ((&e, &c), m) in e.iter().zip(c).zip(m) {
+pub fn max_exponents(x: &[f64], zero: i32, c: &[i32], r: i32, m: &mut [i32]) -> Option<i32> {
+    let (mut largest, mut subnormal) = (i32::MIN, 0_u64);
+    for ((x, &c), m) in x.iter().zip(c).zip(m) {
+        let size = x.to_bits() << 1 >> 1;
+        let biased = size >> 52;
+        let e = if biased == 0 { zero } else { biased as i32 - 1022 };
+        subnormal |= u64::from((size != 0) & (biased == 0));
         largest = largest.max(e + c);
         *m = (*m).max(e + r);
     }
-    largest
-}
-
-/// The biased exponents of `x`, 0 for zeros and subnormal numbers; whether there is a subnormal one.
-#[multiversion(targets("x86_64+avx512f", "x86_64+avx2+fma", "aarch64+neon"))]
-pub fn biased_exponents(x: &[f64], exponents: &mut [i32]) -> bool {
-    let mut subnormal = 0_u64;
-    for (e, x) in exponents.iter_mut().zip(x) {
-        let size = x.to_bits() << 1 >> 1;
-        *e = (size >> 52) as i32;
-        subnormal |= u64::from((size != 0) & (size >> 52 == 0));
-    }
-    subnormal != 0
+    (subnormal == 0).then_some(largest)
 }
 
 /// Numbers handled together by the kernels that ask for padded rows.

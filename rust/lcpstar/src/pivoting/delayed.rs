@@ -6,7 +6,7 @@
 //! row and that column, in the base and in what is pending, and adds one term: `v = -T_r. / t` with `v_s = 1/t`, the new
 //! row; `u = T_.s` with `u_r = 1`.
 
-use super::dictionary::{Entering, PIVOT, tie_tolerance};
+use super::dictionary::{Entering, PIVOT, tie_tolerance, unit};
 use super::path::Tableau;
 use super::var::Var;
 use crate::linalg::kernels::{self, LANES};
@@ -298,7 +298,10 @@ impl Tableau for DelayedDictionary {
     }
 
     fn direction(&self, s: usize) -> (Vec<f64>, f64) {
-        let (mut z_hat, mut z0_hat) = self.scatter(|r| self.coefficient(r, s).max(0.0));
+        let rate = |r: usize| self.coefficient(r, s);
+        let largest = (0..self.basic.len()).map(|r| rate(r).abs()).fold(unit(self.nonbasic[s]), f64::max);
+        let noise = tie_tolerance::<f64>(self.basic.len()) * largest;
+        let (mut z_hat, mut z0_hat) = self.scatter(|r| if rate(r) > noise { rate(r) } else { 0.0 });
         match self.nonbasic[s] {
             Var::Z(i) => z_hat[i] = 1.0,
             Var::Z0 => z0_hat = 1.0,

@@ -141,7 +141,8 @@ impl<T: Real> Dictionary<T> {
     #[must_use]
     pub fn direction(&self, s: usize) -> (Vec<f64>, f64) {
         let rate = |r: usize| self.coefficient(r, s).to_f64();
-        let noise = tie_tolerance::<T>(self.n) * (0..self.n).map(|r| rate(r).abs()).fold(0.0, f64::max);
+        let largest = (0..self.n).map(|r| rate(r).abs()).fold(unit(self.nonbasic[s]), f64::max);
+        let noise = tie_tolerance::<T>(self.n) * largest;
         let (mut z_hat, mut z0_hat) = self.scatter(|r| if rate(r) > noise { rate(r) } else { 0.0 });
         match self.nonbasic[s] {
             Var::Z(i) => z_hat[i] = 1.0,
@@ -275,6 +276,14 @@ impl<T: Real> Tableau for Dictionary<T> {
 
 /// `tol_pivot = PIVOT max|column|`, in doubles; scaled by the ratio of the rounding errors in other arithmetic.
 pub(super) const PIVOT: f64 = 1e-11;
+
+/// The driving variable's own entry of a ray in (z, z_0): what is rounding error beside it is no entry.
+pub(super) fn unit(driving: Var) -> f64 {
+    match driving {
+        Var::Z(_) | Var::Z0 => 1.0,
+        Var::W(_) => 0.0,
+    }
+}
 
 /// Numbers `x_r` tie when they differ by less than `64 sqrt(n) EPS max|x|`: what n pivots leave of equality.
 pub(super) fn tie_tolerance<T: Real>(n: usize) -> f64 {

@@ -5,9 +5,11 @@
 
 mod blocks;
 mod connected;
+mod pattern;
 mod zeros;
 
 use crate::problem::Lcp;
+use pattern::Pattern;
 
 /// Parts to solve one by one; every index that is in none has `z_i = 0` in every solution.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -30,26 +32,43 @@ const SMALL: usize = 16;
 
 /// How to solve LCP(q, A) in parts; `None` when it is one part with all indices, or of order up to 16.
 ///
-/// Costs O(n) when no row can be dropped and the first row and column of A have no zero, O(n^2) otherwise. What is done
-/// to an island depends on its own rows alone.
+/// Costs O(n) where every row has a negative entry early or `q_i < 0`, and the first row and column of A have no zero; O(n^2)
+/// otherwise. What is done to an island depends on its own rows alone.
 #[must_use]
 pub fn plan(lcp: &Lcp) -> Option<Plan> {
     let n = lcp.n();
     if n <= SMALL {
         return None;
     }
-    let is_kept = zeros::kept(lcp);
-    if is_kept.is_none() && (blocks::first_reaches_all(lcp) || connected::is_one_part(lcp)) {
+    let full = blocks::first_reaches_all(lcp);
+    if full && !zeros::may_drop(lcp) {
         return None;
     }
+    let mut pattern = Pattern::of(lcp);
+    let kept = zeros::kept(lcp, &pattern);
+    if kept.is_none() && full {
+        return None;
+    }
+    pattern.transpose();
+    if kept.is_none() && connected::is_strongly_connected(&pattern) {
+        return None;
+    }
+    let mut all = pattern.empty();
+    (0..n).for_each(|i| _ = all.insert(i));
     let mut parts = Vec::new();
-    for island in blocks::islands(lcp) {
+    for island in blocks::islands(&pattern, &all) {
         if island.len() <= SMALL {
             parts.push(Part { indices: island, follows: false });
-        } else {
-            let kept: Vec<usize> =
-                island.into_iter().filter(|&i| is_kept.as_ref().is_none_or(|is_kept| is_kept[i])).collect();
-            parts.extend(blocks::parts(lcp, &kept));
+            continue;
+        }
+        let Some(kept) = &kept else {
+            parts.extend(blocks::parts(lcp, &pattern, &island));
+            continue;
+        };
+        let mut left = pattern.empty();
+        island.into_iter().filter(|&i| kept.has(i)).for_each(|i| _ = left.insert(i));
+        for island in blocks::islands(&pattern, &left) {
+            parts.extend(blocks::parts(lcp, &pattern, &island));
         }
     }
     (parts.len() != 1 || parts[0].indices.len() < n).then_some(Plan { parts })

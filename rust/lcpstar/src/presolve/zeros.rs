@@ -1,37 +1,45 @@
 //! Pairs whose `z_i` is zero in every solution.
 
+use super::pattern::{Pattern, Set, next_common};
 use crate::problem::Lcp;
+
+/// Whether some row that could be dropped has no negative entry. O(n) where rows show one early.
+pub fn may_drop(lcp: &Lcp) -> bool {
+    (0..lcp.n()).any(|i| is_candidate(lcp, i) && lcp.row(i).iter().all(|&a| a >= 0.0))
+}
+
+/// Whether `w_i > 0` where `z_i > 0` and the other terms of row i are not negative.
+fn is_candidate(lcp: &Lcp, i: usize) -> bool {
+    lcp.q()[i] > 0.0 || (lcp.q()[i] == 0.0 && lcp.row(i)[i] > 0.0)
+}
 
 /// Which indices remain; `None` when all do.
 ///
 /// A row with `a_ij >= 0` for all remaining j, and `q_i > 0` or `q_i = 0 < a_ii`, has `w_i > 0` whenever `z_i > 0`:
 /// so `z_i = 0` in every solution, `w_i >= 0` holds by itself, and pair i may be dropped, which may free other rows.
-/// Each row remembers one negative entry and looks for the next only when that column is dropped: O(n^2) in all.
-pub fn kept(lcp: &Lcp) -> Option<Vec<bool>> {
+/// Each row remembers one negative entry and looks for the next only when that column is dropped: O(n^2 / 64) in all.
+pub fn kept(lcp: &Lcp, pattern: &Pattern) -> Option<Set> {
     let n = lcp.n();
-    let candidate = |i: usize| lcp.q()[i] > 0.0 || (lcp.q()[i] == 0.0 && lcp.row(i)[i] > 0.0);
-    let negative_from = |i: usize, j: usize| lcp.row(i)[j..].iter().position(|&a| a < 0.0).map_or(n, |k| j + k);
-    if !(0..n).any(|i| candidate(i) && negative_from(i, 0) == n) {
+    let mut kept = pattern.empty();
+    (0..n).for_each(|i| _ = kept.insert(i));
+    let mut watched: Vec<(usize, Option<usize>)> =
+        (0..n).filter(|&i| is_candidate(lcp, i)).map(|i| (i, next_common(pattern.negative(i), &kept.0, 0))).collect();
+    if watched.iter().all(|(_, negative)| negative.is_some()) {
         return None;
     }
-    let mut dropped = vec![false; n];
-    let mut watched: Vec<usize> = (0..n).map(|i| if candidate(i) { negative_from(i, 0) } else { 0 }).collect();
     loop {
-        let mut changed = false;
-        for i in (0..n).filter(|&i| candidate(i)) {
-            if dropped[i] {
-                continue;
+        let before = watched.len();
+        watched.retain_mut(|(i, negative)| {
+            if let Some(j) = *negative {
+                *negative = next_common(pattern.negative(*i), &kept.0, j);
             }
-            while watched[i] < n && dropped[watched[i]] {
-                watched[i] = negative_from(i, watched[i] + 1);
+            if negative.is_none() {
+                kept.remove(*i);
             }
-            if watched[i] == n {
-                dropped[i] = true;
-                changed = true;
-            }
-        }
-        if !changed {
-            return Some(dropped.iter().map(|dropped| !dropped).collect());
+            negative.is_some()
+        });
+        if watched.len() == before {
+            return Some(kept);
         }
     }
 }
@@ -41,7 +49,8 @@ mod tests {
     use super::*;
 
     fn kept_of(a: &[f64], q: &[f64]) -> Option<Vec<bool>> {
-        kept(&Lcp::new(q.len(), a.to_vec(), q.to_vec()).expect("valid"))
+        let lcp = Lcp::new(q.len(), a.to_vec(), q.to_vec()).expect("valid");
+        kept(&lcp, &Pattern::of(&lcp)).map(|kept| (0..q.len()).map(|i| kept.has(i)).collect())
     }
 
     #[test]

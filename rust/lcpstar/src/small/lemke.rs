@@ -11,6 +11,7 @@
 
 use super::lane::{Lane, Mask};
 use super::verify::{Judged, is_small_when_equilibrated, verify_one};
+use crate::scaling::{Scaling, times_power_of_two};
 
 /// Numbers per row are padded to a multiple of this.
 const WIDTH: usize = 8;
@@ -66,6 +67,9 @@ pub struct Tableau<X> {
     row: Vec<X>,
     ratio: Vec<X>,
     z: Vec<X>,
+    /// The diagonals of `D_r A D_c`, on which the pivots work, when the problem comes with a scaling.
+    row_factors: Vec<f64>,
+    column_factors: Vec<X>,
     sums: Vec<[X; 2]>,
     basic: Vec<Basic>,
     /// Whether slot j holds z_j rather than w_j.
@@ -99,6 +103,8 @@ impl<X> Default for Tableau<X> {
             row: Vec::new(),
             ratio: Vec::new(),
             z: Vec::new(),
+            row_factors: Vec::new(),
+            column_factors: Vec::new(),
             sums: Vec::new(),
             basic: Vec::new(),
             holds_z: Vec::new(),
@@ -111,12 +117,49 @@ impl<X> Default for Tableau<X> {
 impl<X: Lane<Number = f64>> Tableau<X> {
     /// Runs the method and refines the answer until it is verified; `None` if that fails. `w = A z + q` as computed.
     #[inline(always)]
-    pub fn solve_and_verify(&mut self, n: usize, a: &[f64], q: &[f64], w: &mut [f64], tol: f64) -> Option<Judged> {
-        self.found_basis = self.solve(n, a, q, PIVOTS_PER_ROW * n) == Stop::Basis;
+    pub fn solve_and_verify(
+        &mut self,
+        n: usize,
+        a: &[f64],
+        q: &[f64],
+        scaling: Option<&Scaling>,
+        w: &mut [f64],
+        tol: f64,
+    ) -> Option<Judged> {
+        self.load(n, a, q, scaling);
+        self.found_basis = self.solve(PIVOTS_PER_ROW * n) == Stop::Basis;
         if !self.found_basis {
             return None;
         }
-        let mut judged = self.verified(q, w, tol);
+        let judged = self.verified(q, w, tol);
+        self.settled(judged, n, a, q, w, tol)
+    }
+
+    /// Judges a point that was found elsewhere; `w = A z + q` as computed. O(n^2).
+    #[inline(always)]
+    pub fn verify_point(
+        &mut self,
+        n: usize,
+        a: &[f64],
+        q: &[f64],
+        z: &[f64],
+        w: &mut [f64],
+        tol: f64,
+    ) -> Option<Judged> {
+        self.resize(n);
+        for i in 0..n {
+            self.load_row(i, &a[i * n..(i + 1) * n]);
+        }
+        for (x, z) in self.z.iter_mut().zip(z.chunks(WIDTH)) {
+            *x = X::from_slice(z);
+        }
+        let judged = self.judge(q, w, tol);
+        self.settled(judged, n, a, q, w, tol)
+    }
+
+    /// The verdict, if it is that the point solves the problem.
+    #[inline(always)]
+    fn settled(&self, mut judged: Judged, n: usize, a: &[f64], q: &[f64], w: &[f64], tol: f64) -> Option<Judged> {
         if judged.unsettled {
             let z: Vec<f64> = (0..n).map(|j| self.z(j)).collect();
             judged.solved = is_small_when_equilibrated(n, a, q, &z, w, tol);
@@ -124,10 +167,9 @@ impl<X: Lane<Number = f64>> Tableau<X> {
         judged.solved.then_some(judged)
     }
 
-    /// Runs the method on the row-major `a` and `q`, at most `limit` pivots. O(n^2) a pivot.
+    /// Runs the method on the loaded problem, at most `limit` pivots. O(n^2) a pivot.
     #[inline(always)]
-    fn solve(&mut self, n: usize, a: &[f64], q: &[f64], limit: usize) -> Stop {
-        self.load(n, a, q);
+    fn solve(&mut self, limit: usize) -> Stop {
         let Some(mut row) = self.first_row() else {
             return Stop::Basis;
         };
@@ -161,9 +203,49 @@ impl<X: Lane<Number = f64>> Tableau<X> {
         }
     }
 
-    /// `w = q + A z + d z_0`, with z_0's column ready to drive.
+    /// `w = q + A z + d z_0`, with z_0's column ready to drive; A and q scaled by `D_r` and `D_c` if there is a scaling, of
+    /// moderate exponents.
     #[inline(always)]
-    fn load(&mut self, n: usize, a: &[f64], q: &[f64]) {
+    fn load(&mut self, n: usize, a: &[f64], q: &[f64], scaling: Option<&Scaling>) {
+        self.resize(n);
+        self.pivots = 0;
+        self.row_factors.clear();
+        self.column_factors.clear();
+        if let Some(scaling) = scaling {
+            self.row_factors.extend(scaling.rows.iter().map(|&r| times_power_of_two(1.0, r)));
+            let factors = scaling.columns.chunks(WIDTH).map(|columns| {
+                let mut factors = X::splat(0.0);
+                columns.iter().enumerate().for_each(|(l, &c)| factors.set(l, times_power_of_two(1.0, c)));
+                factors
+            });
+            self.column_factors.extend(factors);
+        }
+        for i in 0..n {
+            self.load_row(i, &a[i * n..(i + 1) * n]);
+            let padded = i * self.width..(i + 1) * self.width;
+            self.t[padded.clone()].copy_from_slice(&self.a[padded.clone()]);
+            let row_factor = self.row_factors.get(i).copied().unwrap_or(1.0);
+            let f = X::splat(row_factor);
+            for (t, factor) in self.t[padded].iter_mut().zip(&self.column_factors) {
+                *t = t.mul(factor.mul(f));
+            }
+            put(&mut self.rhs, i, q[i] * row_factor);
+            put(&mut self.column, i, spread(i));
+            self.basic[i] = Basic::W(i);
+            self.holds_z[i] = true;
+        }
+    }
+
+    #[inline(always)]
+    fn load_row(&mut self, i: usize, entries: &[f64]) {
+        let row = &mut self.a[i * self.width..(i + 1) * self.width];
+        for (a, entries) in row.iter_mut().zip(entries.chunks(WIDTH)) {
+            *a = X::from_slice(entries);
+        }
+    }
+
+    #[inline(always)]
+    fn resize(&mut self, n: usize) {
         let (width, zero) = (n.div_ceil(WIDTH), X::splat(0.0));
         if n != self.n {
             self.n = n;
@@ -179,19 +261,6 @@ impl<X: Lane<Number = f64>> Tableau<X> {
             for v in [&mut self.column, &mut self.rhs] {
                 v.fill(zero);
             }
-        }
-        self.pivots = 0;
-        for i in 0..n {
-            let padded = i * width..(i + 1) * width;
-            let rows = self.t[padded.clone()].iter_mut().zip(&mut self.a[padded]);
-            for ((t, a), source) in rows.zip(a[i * n..(i + 1) * n].chunks(WIDTH)) {
-                *a = X::from_slice(source);
-                *t = *a;
-            }
-            put(&mut self.rhs, i, q[i]);
-            put(&mut self.column, i, spread(i));
-            self.basic[i] = Basic::W(i);
-            self.holds_z[i] = true;
         }
     }
 
@@ -217,6 +286,10 @@ impl<X: Lane<Number = f64>> Tableau<X> {
             2 => self.exchange_wide::<2>(row, pair),
             3 => self.exchange_wide::<3>(row, pair),
             4 => self.exchange_wide::<4>(row, pair),
+            5 => self.exchange_wide::<5>(row, pair),
+            6 => self.exchange_wide::<6>(row, pair),
+            7 => self.exchange_wide::<7>(row, pair),
+            8 => self.exchange_wide::<8>(row, pair),
             _ => self.exchange_wide::<0>(row, pair),
         }
     }
@@ -241,7 +314,7 @@ impl<X: Lane<Number = f64>> Tableau<X> {
             let sum = r.add_product(*c, value);
             *r = sum.only(r.abs().mul(noise).lt(sum.abs()));
         }
-        let mut held = [X::splat(0.0); 4];
+        let mut held = [X::splat(0.0); 8];
         if W != 0 {
             held[..W].copy_from_slice(&new[..W]);
         }
@@ -316,6 +389,9 @@ impl<X: Lane<Number = f64>> Tableau<X> {
                 put(&mut self.z, j, at(&self.rhs, i).max(0.0));
             }
         }
+        for (z, factors) in self.z.iter_mut().zip(&self.column_factors) {
+            *z = z.mul(*factors);
+        }
         let mut judged = self.judge(q, w, tol);
         for _ in 0..REFINEMENTS {
             if judged.solved || judged.unsettled {
@@ -353,8 +429,11 @@ impl<X: Lane<Number = f64>> Tableau<X> {
                 let mut step = 0.0;
                 for (k, w) in w.iter().enumerate() {
                     if self.is_basic(k) {
-                        step += at(row, k) * w;
+                        step += at(row, k) * w * self.row_factors.get(k).unwrap_or(&1.0);
                     }
+                }
+                if !self.column_factors.is_empty() {
+                    step *= at(&self.column_factors, j);
                 }
                 let (old, new) = (at(&self.z, j), at(&self.z, j) - step);
                 put(&mut self.z, j, if new > CANCELLED * old { new } else { 0.0 });

@@ -1,5 +1,7 @@
 //! One small problem at a time, without a single allocation: Lemke's method in a tableau of reused memory, verified by
 //! the rule of `certify`. `solve` tries it first; the batch runs it and its lanes on whole arrays of problems.
+//!
+//! A time limit is not looked at: the limit on pivots ends a run of order 128 within a few milliseconds.
 
 #[cfg(target_arch = "x86_64")]
 pub(crate) mod avx;
@@ -7,6 +9,7 @@ pub(crate) mod lane;
 pub(crate) mod lemke;
 pub(crate) mod verify;
 
+use crate::scaling::Scaling;
 #[cfg(target_arch = "x86_64")]
 use avx::{Ymm2, Zmm};
 use lane::{F64x8, Lane};
@@ -17,7 +20,7 @@ use std::cell::RefCell;
 use std::thread::LocalKey;
 
 /// Largest order that [`solve_one`] takes.
-pub const TINY_ORDER: usize = 64;
+pub const TINY_ORDER: usize = 128;
 
 /// A verified solution.
 #[derive(Clone, Copy, Debug)]
@@ -27,7 +30,7 @@ pub struct TinySolution {
     z: [f64; TINY_ORDER],
     w: [f64; TINY_ORDER],
     /// Bit i: z_i is basic.
-    pub alpha: u64,
+    pub alpha: u128,
     /// Pivots.
     pub iterations: usize,
     /// Bound of the scale-free residual, at most `tol`.
@@ -50,6 +53,22 @@ impl TinySolution {
     }
 }
 
+/// What the kernel has to say about a problem.
+#[derive(Clone, Debug)]
+pub enum Answer {
+    /// A verified solution.
+    Solved(TinySolution),
+    /// The basis on which the method ended, whose point could not be verified as it stands.
+    Basis {
+        /// Bit i: z_i is in it.
+        alpha: u128,
+        /// Pivots.
+        iterations: usize,
+    },
+    /// Nothing.
+    None,
+}
+
 /// Solves and verifies LCP(q, A) by Lemke's method, `a` row-major. O(n^2) a pivot; after the first call on a thread for
 /// the largest n, nothing is allocated.
 ///
@@ -57,27 +76,59 @@ impl TinySolution {
 /// verified at once): ask the general solver.
 #[must_use]
 pub fn solve_one(n: usize, a: &[f64], q: &[f64], tol: f64) -> Option<TinySolution> {
+    match solve_scaled(n, a, q, None, tol) {
+        Answer::Solved(solution) => Some(solution),
+        Answer::Basis { .. } | Answer::None => None,
+    }
+}
+
+/// As [`solve_one`], with pivots on `D_r A D_c` where a scaling is given; its factor of q is not used. The answer is verified on
+/// `a` and `q` themselves.
+#[must_use]
+pub fn solve_scaled(n: usize, a: &[f64], q: &[f64], scaling: Option<&Scaling>, tol: f64) -> Answer {
     if n == 0 || n > TINY_ORDER || a.len() != n * n || q.len() != n {
+        return Answer::None;
+    }
+    if scaling.is_some_and(|s| s.rows.len() != n || s.columns.len() != n || !s.is_moderate()) {
+        return Answer::None;
+    }
+    dispatch(n, a, q, Task::Solve(scaling), tol)
+}
+
+/// A point that was found elsewhere, `z >= 0` with support `alpha`, verified. O(n^2), otherwise as [`solve_one`].
+#[must_use]
+pub fn verify_point(n: usize, a: &[f64], q: &[f64], z: &[f64], tol: f64) -> Option<TinySolution> {
+    if n == 0 || n > TINY_ORDER || a.len() != n * n || q.len() != n || z.len() != n {
         return None;
     }
-    dispatch(n, a, q, tol)
+    match dispatch(n, a, q, Task::Verify(z), tol) {
+        Answer::Solved(solution) => Some(solution),
+        Answer::Basis { .. } | Answer::None => None,
+    }
+}
+
+/// What to do with the problem.
+#[derive(Clone, Copy)]
+enum Task<'a> {
+    Solve(Option<&'a Scaling>),
+    Verify(&'a [f64]),
 }
 
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw+avx2+fma", "x86_64+avx2+fma", "aarch64+neon"))]
-fn dispatch(n: usize, a: &[f64], q: &[f64], tol: f64) -> Option<TinySolution> {
+fn dispatch(n: usize, a: &[f64], q: &[f64], task: Task<'_>, tol: f64) -> Answer {
     #[cfg(target_arch = "x86_64")]
     {
         if target_cfg_f!(target_feature = "avx512f") {
             thread_local!(static TABLEAU: RefCell<Tableau<Zmm>> = RefCell::default());
-            return solve_in(&TABLEAU, n, a, q, tol);
+            return solve_in(&TABLEAU, n, a, q, task, tol);
         }
         if target_cfg_f!(target_feature = "avx2") {
             thread_local!(static TABLEAU: RefCell<Tableau<Ymm2>> = RefCell::default());
-            return solve_in(&TABLEAU, n, a, q, tol);
+            return solve_in(&TABLEAU, n, a, q, task, tol);
         }
     }
     thread_local!(static TABLEAU: RefCell<Tableau<F64x8<{ cfg!(target_arch = "aarch64") }>>> = RefCell::default());
-    solve_in(&TABLEAU, n, a, q, tol)
+    solve_in(&TABLEAU, n, a, q, task, tol)
 }
 
 /// The tableau leaves its home for the time of the solve: code inside a closure would not be compiled for the
@@ -88,14 +139,25 @@ fn solve_in<X: Lane<Number = f64>>(
     n: usize,
     a: &[f64],
     q: &[f64],
+    task: Task<'_>,
     tol: f64,
-) -> Option<TinySolution> {
+) -> Answer {
     let (mut z, mut w) = ([0.0; TINY_ORDER], [0.0; TINY_ORDER]);
     let mut tableau = home.take();
-    let judged = tableau.solve_and_verify(n, a, q, &mut w[..n], tol);
+    let judged = match task {
+        Task::Solve(scaling) => tableau.solve_and_verify(n, a, q, scaling, &mut w[..n], tol),
+        Task::Verify(z) => tableau.verify_point(n, a, q, z, &mut w[..n], tol),
+    };
+    let basis = || (0..n).fold(0_u128, |mask, i| mask | u128::from(tableau.is_basic(i)) << i);
+    let alpha = match task {
+        Task::Solve(_) => basis(),
+        Task::Verify(z) => z.iter().enumerate().fold(0_u128, |mask, (i, &z)| mask | u128::from(z > 0.0) << i),
+    };
     let Some(judged) = judged else {
+        let found = matches!(task, Task::Solve(_)) && tableau.found_basis;
+        let iterations = tableau.pivots;
         home.set(tableau);
-        return None;
+        return if found { Answer::Basis { alpha, iterations } } else { Answer::None };
     };
     for (i, z) in z[..n].iter_mut().enumerate() {
         *z = tableau.z(i);
@@ -104,11 +166,11 @@ fn solve_in<X: Lane<Number = f64>>(
         n,
         z,
         w,
-        alpha: (0..n).fold(0, |mask, i| mask | u64::from(tableau.is_basic(i)) << i),
-        iterations: tableau.pivots,
+        alpha,
+        iterations: if matches!(task, Task::Solve(_)) { tableau.pivots } else { 0 },
         residual: judged.residual,
         natural_residual: judged.natural_residual,
     };
     home.set(tableau);
-    Some(solution)
+    Answer::Solved(solution)
 }
