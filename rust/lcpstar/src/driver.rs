@@ -104,6 +104,20 @@ impl Method {
     }
 }
 
+/// Names that a result may bear beside [`Method::NAMES`]: members of the portfolio and what goes before it.
+pub const MEMBERS: &[&str] = &[
+    "trivial",
+    "warm_start",
+    "pieces",
+    "lemke_small",
+    "lemke_warm",
+    "lemke_random_d",
+    "lemke_double_double",
+    "principal_pivoting_double_double",
+    "feasibility",
+    "exact_lemke",
+];
+
 /// What `solve` needs to know beside the problem.
 #[derive(Clone, Debug)]
 pub struct Settings {
@@ -158,8 +172,10 @@ pub fn solve(lcp: &Lcp, settings: &Settings, control: &Control<'_>) -> Result<So
     }
 }
 
-/// The first step of [`solve`], a few microseconds at most: the kernel for small problems. `None` says nothing about the
-/// problem or the settings.
+/// Largest order for which [`solve_briefly`] takes a few microseconds at most.
+pub const BRIEF_ORDER: usize = 16;
+
+/// The first step of [`solve`]: the kernel for small problems. `None` says nothing about the problem or the settings.
 #[must_use]
 pub fn solve_briefly(lcp: &Lcp, settings: &Settings, control: &Control<'_>) -> Option<Solution> {
     small::solve(lcp, settings, control)

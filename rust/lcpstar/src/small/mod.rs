@@ -1,4 +1,4 @@
-//! One small problem at a time, without a single allocation: Lemke's method in a tableau of reused memory, verified by
+//! One small problem at a time, without a single allocation: Lemke's method in reused memory, verified by
 //! the rule of `certify`. `solve` tries it first; the batch runs it and its lanes on whole arrays of problems.
 
 #[cfg(target_arch = "x86_64")]
@@ -10,7 +10,7 @@ pub(crate) mod verify;
 #[cfg(target_arch = "x86_64")]
 use avx::{Ymm2, Zmm};
 use lane::{F64x8, Lane};
-use lemke::Tableau;
+use lemke::Basis;
 use multiversion::multiversion;
 use multiversion::target::target_cfg_f;
 use std::cell::RefCell;
@@ -68,47 +68,47 @@ fn dispatch(n: usize, a: &[f64], q: &[f64], tol: f64) -> Option<TinySolution> {
     #[cfg(target_arch = "x86_64")]
     {
         if target_cfg_f!(target_feature = "avx512f") {
-            thread_local!(static TABLEAU: RefCell<Tableau<Zmm>> = RefCell::default());
-            return solve_in(&TABLEAU, n, a, q, tol);
+            thread_local!(static BASIS: RefCell<Basis<Zmm>> = RefCell::default());
+            return solve_in(&BASIS, n, a, q, tol);
         }
         if target_cfg_f!(target_feature = "avx2") {
-            thread_local!(static TABLEAU: RefCell<Tableau<Ymm2>> = RefCell::default());
-            return solve_in(&TABLEAU, n, a, q, tol);
+            thread_local!(static BASIS: RefCell<Basis<Ymm2>> = RefCell::default());
+            return solve_in(&BASIS, n, a, q, tol);
         }
     }
-    thread_local!(static TABLEAU: RefCell<Tableau<F64x8<{ cfg!(target_arch = "aarch64") }>>> = RefCell::default());
-    solve_in(&TABLEAU, n, a, q, tol)
+    thread_local!(static BASIS: RefCell<Basis<F64x8<{ cfg!(target_arch = "aarch64") }>>> = RefCell::default());
+    solve_in(&BASIS, n, a, q, tol)
 }
 
-/// The tableau leaves its home for the time of the solve: code inside a closure would not be compiled for the
+/// The memory leaves its home for the time of the solve: code inside a closure would not be compiled for the
 /// instruction set of `dispatch`.
 #[inline(always)]
 fn solve_in<X: Lane<Number = f64>>(
-    home: &'static LocalKey<RefCell<Tableau<X>>>,
+    home: &'static LocalKey<RefCell<Basis<X>>>,
     n: usize,
     a: &[f64],
     q: &[f64],
     tol: f64,
 ) -> Option<TinySolution> {
     let (mut z, mut w) = ([0.0; TINY_ORDER], [0.0; TINY_ORDER]);
-    let mut tableau = home.take();
-    let judged = tableau.solve_and_verify(n, a, q, &mut w[..n], tol);
+    let mut basis = home.take();
+    let judged = basis.solve_and_verify(n, a, q, &mut w[..n], tol);
     let Some(judged) = judged else {
-        home.set(tableau);
+        home.set(basis);
         return None;
     };
     for (i, z) in z[..n].iter_mut().enumerate() {
-        *z = tableau.z(i);
+        *z = basis.z(i);
     }
     let solution = TinySolution {
         n,
         z,
         w,
-        alpha: (0..n).fold(0, |mask, i| mask | u64::from(tableau.is_basic(i)) << i),
-        iterations: tableau.pivots,
+        alpha: (0..n).fold(0, |mask, i| mask | u64::from(basis.is_basic(i)) << i),
+        iterations: basis.pivots,
         residual: judged.residual,
         natural_residual: judged.natural_residual,
     };
-    home.set(tableau);
+    home.set(basis);
     Some(solution)
 }
