@@ -93,7 +93,7 @@ miri: ## the unsafe code under Miri, and under AddressSanitizer on the machine's
 		cargo +nightly test --lib --target x86_64-unknown-linux-gnu --target-dir ../../target/asan
 
 coverage: build ## lines and branches of the core reached by both test suites; needs llvm-tools
-	$(PY) benches/line_coverage.py
+	$(PY) benches/core_coverage.py
 
 soak: build ## a million calls, threads, forks, interrupts, shutdowns
 	$(PY) benches/soak.py

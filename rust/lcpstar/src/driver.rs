@@ -3,6 +3,7 @@
 mod anytime;
 mod approximate;
 mod pieces;
+mod polish;
 mod portfolio;
 mod prove;
 mod small;
@@ -190,7 +191,10 @@ pub fn solve_at_length(lcp: &Lcp, settings: &Settings, control: &Control<'_>) ->
     let problem = Equilibrated::new(lcp);
     let solution = match at_once(&problem, settings) {
         Some(solution) => solution,
-        None => by_method(&problem, settings, control)?,
+        None => {
+            let solution = by_method(&problem, settings, control)?;
+            polish::polished(&problem, &solution, settings.tol, control).unwrap_or(solution)
+        }
     };
     Ok(match settings.certify {
         Certify::Float => solution,
@@ -438,6 +442,11 @@ fn covering_vector(problem: &Equilibrated<'_>, d: &[f64]) -> Vec<f64> {
     let shift = |d: &f64, r: &i32| exponent(*d) + r;
     let largest = d.iter().zip(&problem.scaling.rows).map(|(d, r)| shift(d, r)).max().unwrap_or(0);
     d.iter().zip(&problem.scaling.rows).map(|(d, r)| scaled(d, r - largest).max(f64::MIN_POSITIVE)).collect()
+}
+
+/// The same limits, and at most `limit` iterations.
+fn with_limit<'a>(control: &Control<'a>, limit: usize) -> Control<'a> {
+    control.with_max_iterations(Some(control.max_iterations.map_or(limit, |own| own.min(limit))))
 }
 
 /// Indices of the positive entries.

@@ -1,14 +1,15 @@
 //! The problem LCP(q, A), validated once; below it sizes and finiteness are trusted.
 
 use crate::error::{LcpError, Result};
+use std::sync::Arc;
 
 /// LCP(q, A): find `z` with `w = A z + q >= 0`, `z >= 0`, `z'w = 0`.
 ///
-/// Owns its numbers: `A` row-major, `n * n` entries; `q`, `n` entries; all finite.
+/// Owns its numbers: `A` row-major, `n * n` entries, shared with problems that differ in q; `q`, `n` entries; all finite.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Lcp {
     n: usize,
-    a: Vec<f64>,
+    a: Arc<Vec<f64>>,
     q: Vec<f64>,
 }
 
@@ -26,13 +27,19 @@ impl Lcp {
         }
         check_finite_matrix("A", &a, n)?;
         check_finite("q", &q)?;
-        Ok(Self { n, a, q })
+        Ok(Self::trusted(n, a, q))
     }
 
     /// A problem whose sizes are right and whose numbers come from a validated one.
     pub(crate) fn trusted(n: usize, a: Vec<f64>, q: Vec<f64>) -> Self {
         debug_assert!(a.len() == n * n && q.len() == n);
-        Self { n, a, q }
+        Self { n, a: Arc::new(a), q }
+    }
+
+    /// LCP(q, A) with the same A and another q, which is as trusted as [`Lcp::trusted`] says. O(n).
+    pub(crate) fn with_q(&self, q: Vec<f64>) -> Self {
+        debug_assert!(q.len() == self.n);
+        Self { n: self.n, a: Arc::clone(&self.a), q }
     }
 
     /// Order of the problem.

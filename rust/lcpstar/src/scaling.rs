@@ -35,8 +35,7 @@ pub struct Equilibrated<'a> {
 pub const ORDINARY: std::ops::Range<f64> = 1e-150..1e150;
 
 fn are_ordinary(x: &[f64]) -> bool {
-    // No early exit: the loop is vectorised.
-    x.iter().fold(true, |all, x| all & (*x == 0.0 || ORDINARY.contains(&x.abs())))
+    kernels::all_zero_or_within(x, ORDINARY.start, ORDINARY.end)
 }
 
 /// `x 2^e`, exact unless the result leaves the range of doubles.
@@ -64,6 +63,18 @@ pub fn exponent(x: f64) -> i32 {
         0 => exponent(x * power_of_two(64)) - 64, // subnormal
         _ => biased - 1022,
     }
+}
+
+/// [`exponent`] of each.
+fn exponents(x: &[f64]) -> Vec<i32> {
+    let mut exponents = vec![0; x.len()];
+    if kernels::biased_exponents(x, &mut exponents) {
+        return x.iter().map(|&x| exponent(x)).collect();
+    }
+    for e in &mut exponents {
+        *e = if *e == 0 { ZERO } else { *e - 1022 };
+    }
+    exponents
 }
 
 /// The exponent given to zero: smaller than any real one, whatever is added to it.
@@ -113,18 +124,14 @@ impl Scaling {
     /// The exponents of `D_r` and `D_c`.
     fn sweeps(lcp: &Lcp) -> (Vec<i32>, Vec<i32>) {
         let n = lcp.n();
-        let exponents: Vec<i32> = lcp.a().iter().map(|&x| exponent(x)).collect();
+        let exponents = exponents(lcp.a());
         let (mut rows, mut columns) = (vec![0; n], vec![0; n]);
         let (mut row_max, mut column_max) = (vec![ZERO; n], vec![ZERO; n]);
         for _ in 0..SWEEPS {
             column_max.fill(ZERO);
             for i in 0..n {
-                let mut largest = ZERO;
-                for ((&e, &c), m) in exponents[i * n..(i + 1) * n].iter().zip(&columns).zip(&mut column_max) {
-                    largest = largest.max(e + c);
-                    *m = (*m).max(e + rows[i]);
-                }
-                row_max[i] = largest;
+                let row = &exponents[i * n..(i + 1) * n];
+                row_max[i] = kernels::max_of_sums(row, &columns, rows[i], &mut column_max);
             }
             let mut changed = false;
             for i in 0..n {
@@ -225,6 +232,28 @@ fn halve(exponent: &mut i32, largest: i32) -> bool {
     true
 }
 
+/// `D_r A D_c`.
+fn scaled_matrix(lcp: &Lcp, scaling: &Scaling) -> Vec<f64> {
+    let n = lcp.n();
+    let is_moderate = |e: &i32| e.abs() <= MODERATE;
+    if scaling.rows.iter().chain(&scaling.columns).all(is_moderate) {
+        let mut a = vec![0.0; n * n];
+        let factors: Vec<f64> = scaling.columns.iter().map(|&c| power_of_two(c)).collect();
+        for (i, out) in a.chunks_exact_mut(n).enumerate() {
+            kernels::scale_row(lcp.row(i), power_of_two(scaling.rows[i]), &factors, out);
+        }
+        return a;
+    }
+    let mut a = Vec::with_capacity(n * n);
+    for (i, r) in scaling.rows.iter().enumerate() {
+        a.extend(lcp.row(i).iter().zip(&scaling.columns).map(|(&x, c)| times_power_of_two(x, r + c)));
+    }
+    a
+}
+
+/// Two exponents up to this size have a sum in the normal range.
+const MODERATE: i32 = 500;
+
 impl<'a> Equilibrated<'a> {
     /// Equilibrates `original`. O(n^2).
     #[must_use]
@@ -235,21 +264,17 @@ impl<'a> Equilibrated<'a> {
     /// Scales `original` as told. O(n^2).
     #[must_use]
     pub fn with(original: &'a Lcp, scaling: Scaling) -> Self {
-        let n = original.n();
-        let a = if scaling.rows.iter().chain(&scaling.columns).all(|&e| e == 0) {
-            original.a().to_vec()
-        } else {
-            let mut a = Vec::with_capacity(n * n);
-            for i in 0..n {
-                let r = scaling.rows[i];
-                a.extend(original.row(i).iter().zip(&scaling.columns).map(|(&x, c)| times_power_of_two(x, r + c)));
-            }
-            a
-        };
         let q: Vec<f64> =
             original.q().iter().zip(&scaling.rows).map(|(&x, r)| times_power_of_two(x, r + scaling.q)).collect();
-        let is_ordinary = [original.a(), original.q(), &a, &q].into_iter().all(are_ordinary);
-        Self { original, lcp: Lcp::trusted(n, a, q), scaling, is_ordinary }
+        let mut is_ordinary = [original.a(), original.q(), &q].into_iter().all(are_ordinary);
+        let lcp = if scaling.rows.iter().chain(&scaling.columns).all(|&e| e == 0) {
+            original.with_q(q)
+        } else {
+            let a = scaled_matrix(original, &scaling);
+            is_ordinary &= are_ordinary(&a);
+            Lcp::trusted(original.n(), a, q)
+        };
+        Self { original, lcp, scaling, is_ordinary }
     }
 }
 

@@ -17,6 +17,20 @@ pub fn affine_compensated(start: &[f64], a: &[f64], x: &[f64]) -> (Vec<f64>, Vec
     start.iter().enumerate().map(|(i, &start)| dot_compensated(start, &a[i * n..(i + 1) * n], x)).unzip()
 }
 
+/// As [`affine_compensated`] for the given rows alone: `start_i + a_i'x` and its rounding scale for each i of `rows`, in their
+/// order. O(n |rows|).
+#[must_use]
+pub fn rows_compensated(start: &[f64], a: &[f64], x: &[f64], rows: &[usize]) -> (Vec<f64>, Vec<f64>) {
+    let n = x.len();
+    assert!(a.len() == start.len() * n && rows.iter().all(|&i| i < start.len()));
+    #[cfg(target_arch = "x86_64")]
+    if std::arch::is_x86_feature_detected!("avx512f") {
+        // SAFETY: the machine has the instructions.
+        return unsafe { avx512::rows_compensated(start, a, x, rows) };
+    }
+    rows.iter().map(|&i| dot_compensated(start[i], &a[i * n..(i + 1) * n], x)).unzip()
+}
+
 #[cfg(target_arch = "x86_64")]
 mod avx512 {
     use super::super::dd::two_sum;
@@ -30,40 +44,59 @@ mod avx512 {
 
     #[target_feature(enable = "avx512f")]
     pub fn affine_compensated(start: &[f64], a: &[f64], x: &[f64]) -> (Vec<f64>, Vec<f64>) {
-        let (mut y, mut m) = (vec![0.0; start.len()], vec![0.0; start.len()]);
-        let mut i = 0;
-        while i < start.len() {
+        all(start.len(), |k| k, start, a, x)
+    }
+
+    #[target_feature(enable = "avx512f")]
+    pub fn rows_compensated(start: &[f64], a: &[f64], x: &[f64], rows: &[usize]) -> (Vec<f64>, Vec<f64>) {
+        all(rows.len(), |k| rows[k], start, a, x)
+    }
+
+    /// The rows `row(k)` for `k < count`.
+    #[inline]
+    #[target_feature(enable = "avx512f")]
+    fn all(
+        count: usize,
+        row: impl Fn(usize) -> usize,
+        start: &[f64],
+        a: &[f64],
+        x: &[f64],
+    ) -> (Vec<f64>, Vec<f64>) {
+        let (mut y, mut m) = (vec![0.0; count], vec![0.0; count]);
+        let mut k = 0;
+        while k < count {
             // The last rows are done again rather than in a loop of their own.
-            let first = if i + ROWS <= start.len() { i } else { start.len().saturating_sub(ROWS) };
-            if start.len() >= ROWS {
-                rows::<ROWS>(start, a, x, first, &mut y, &mut m);
-                i = first + ROWS;
+            let first = if k + ROWS <= count { k } else { count.saturating_sub(ROWS) };
+            if count >= ROWS {
+                let four = [row(first), row(first + 1), row(first + 2), row(first + 3)];
+                rows::<ROWS>(start, a, x, four, &mut y[first..], &mut m[first..]);
+                k = first + ROWS;
             } else {
-                rows::<1>(start, a, x, i, &mut y, &mut m);
-                i += 1;
+                rows::<1>(start, a, x, [row(k)], &mut y[k..], &mut m[k..]);
+                k += 1;
             }
         }
         (y, m)
     }
 
-    /// Algorithm Dot2 of [ORO05] in eight lanes, for R rows from `first` on.
+    /// Algorithm Dot2 of [ORO05] in eight lanes, for R rows.
     #[inline]
     #[target_feature(enable = "avx512f")]
-    fn rows<const R: usize>(start: &[f64], a: &[f64], x: &[f64], first: usize, y: &mut [f64], m: &mut [f64]) {
+    fn rows<const R: usize>(start: &[f64], a: &[f64], x: &[f64], row: [usize; R], y: &mut [f64], m: &mut [f64]) {
         let n = x.len();
-        let a = &a[first * n..(first + R) * n];
+        let row: [_; R] = row.map(|i| (&a[i * n..(i + 1) * n], start[i]));
         let zero = _mm512_setzero_pd();
         let (mut sums, mut errors, mut sizes) = ([zero; R], [zero; R], [zero; R]);
         let mut j = 0;
         while j < n {
             let mask = if n - j >= 8 { u8::MAX } else { (1 << (n - j)) - 1 };
             // SAFETY: the mask ends where row and vector do.
-            let load = |from: &[f64], at: usize| unsafe { _mm512_maskz_loadu_pd(mask, from.as_ptr().add(at)) };
-            let xs = load(x, j);
+            let load = |from: &[f64]| unsafe { _mm512_maskz_loadu_pd(mask, from.as_ptr().add(j)) };
+            let xs = load(x);
             for r in 0..R {
-                let row = load(a, r * n + j);
-                let product = _mm512_mul_pd(row, xs);
-                let product_error = _mm512_fmsub_pd(row, xs, product);
+                let entries = load(row[r].0);
+                let product = _mm512_mul_pd(entries, xs);
+                let product_error = _mm512_fmsub_pd(entries, xs, product);
                 let sum = _mm512_add_pd(sums[r], product);
                 let part = _mm512_sub_pd(sum, sums[r]);
                 let sum_error =
@@ -75,7 +108,7 @@ mod avx512 {
             j += 8;
         }
         for r in 0..R {
-            let start = start[first + r];
+            let start = row[r].1;
             let (sums, errors, sizes) = (lanes(sums[r]), lanes(errors[r]), lanes(sizes[r]));
             let (mut sum, mut error, mut size) = (start, 0.0, start.abs());
             for l in 0..8 {
@@ -84,7 +117,7 @@ mod avx512 {
                 error += errors[l] + f;
                 size += sizes[l];
             }
-            (y[first + r], m[first + r]) = (sum + error, size);
+            (y[r], m[r]) = (sum + error, size);
         }
     }
 
@@ -111,6 +144,9 @@ mod tests {
             // What is left of the sum when its rounded value is taken away: all digits have cancelled.
             let start: Vec<f64> = plain.iter().map(|x: &f64| -x).collect();
             let (y, m) = affine_compensated(&start, &a, &x);
+            let rows: Vec<usize> = (0..n).rev().step_by(2).collect();
+            let some = rows_compensated(&start, &a, &x, &rows);
+            assert!(rows.iter().enumerate().all(|(k, &i)| (some.0[k], some.1[k]) == (y[i], m[i])));
             for i in 0..n {
                 let (expected, size) = dot_compensated(start[i], &a[i * n..(i + 1) * n], &x);
                 assert!((y[i] - expected).abs() <= 1e-28 * size + 4e-16 * expected.abs(), "{n} {i}");

@@ -105,16 +105,33 @@ pub fn gauss_seidel_sweep(a: &[f64], z: &mut [f64], w: &mut [f64]) -> usize {
 
 /// Whether a row-major matrix of order `n` is symmetric. O(n^2), by square tiles with one branch each.
 #[must_use]
+#[multiversion(targets("x86_64+avx512f", "x86_64+avx2+fma", "aarch64+neon"))]
 pub fn is_symmetric(n: usize, a: &[f64]) -> bool {
     for i0 in (0..n).step_by(LANES) {
         let rows = LANES.min(n - i0);
         for j0 in (0..=i0).step_by(LANES) {
             let columns = LANES.min(n - j0);
             let mut differ = 0;
-            for l in 0..columns {
-                let transposed = &a[(j0 + l) * n + i0..][..rows];
-                for (k, x) in transposed.iter().enumerate() {
-                    differ += u32::from(*x != a[(i0 + k) * n + j0 + l]);
+            if rows == LANES && columns == LANES {
+                // Row by row into one tile, column by column out of it.
+                let mut tile = [[0.0; LANES]; LANES];
+                for (k, row) in tile.iter_mut().enumerate() {
+                    row.copy_from_slice(&a[(i0 + k) * n + j0..][..LANES]);
+                }
+                let mut differs = [0_u64; LANES];
+                for l in 0..LANES {
+                    let transposed = &a[(j0 + l) * n + i0..][..LANES];
+                    for k in 0..LANES {
+                        differs[k] |= u64::from(transposed[k] != tile[k][l]);
+                    }
+                }
+                differ = differs.iter().fold(0, |all, x| all | x);
+            } else {
+                for l in 0..columns {
+                    let transposed = &a[(j0 + l) * n + i0..][..rows];
+                    for (k, x) in transposed.iter().enumerate() {
+                        differ += u64::from(*x != a[(i0 + k) * n + j0 + l]);
+                    }
                 }
             }
             if differ != 0 {
@@ -123,6 +140,54 @@ pub fn is_symmetric(n: usize, a: &[f64]) -> bool {
         }
     }
     true
+}
+
+/// Whether every number is zero or its size lies in `range`. No early exit: the loop is vectorised.
+#[multiversion(targets("x86_64+avx512f", "x86_64+avx2+fma", "aarch64+neon"))]
+pub fn all_zero_or_within(x: &[f64], least: f64, most: f64) -> bool {
+    let mut outside = [0_u64; LANES];
+    let chunks = x.chunks_exact(LANES);
+    let is_inside = |x: f64| x == 0.0 || (least..most).contains(&x.abs());
+    let tail = chunks.remainder().iter().all(|&x| is_inside(x));
+    for x in chunks {
+        for l in 0..LANES {
+            let size = x[l].abs();
+            // Not of a comparison, so that NaN lies outside.
+            outside[l] |= u64::from(!((size >= least) & (size < most)) & (size != 0.0));
+        }
+    }
+    tail && outside.iter().all(|&x| x == 0)
+}
+
+/// `x_j row_factor factor_j`, where the product of the factors is exact.
+#[multiversion(targets("x86_64+avx512f", "x86_64+avx2+fma", "aarch64+neon"))]
+pub fn scale_row(x: &[f64], row_factor: f64, factors: &[f64], out: &mut [f64]) {
+    for ((out, x), f) in out.iter_mut().zip(x).zip(factors) {
+        *out = x * (row_factor * f);
+    }
+}
+
+/// `max_j (e_j + c_j)`, and `m_j = max(m_j, e_j + r)`.
+#[multiversion(targets("x86_64+avx512f", "x86_64+avx2+fma", "aarch64+neon"))]
+pub fn max_of_sums(e: &[i32], c: &[i32], r: i32, m: &mut [i32]) -> i32 {
+    let mut largest = i32::MIN;
+    for ((&e, &c), m) in e.iter().zip(c).zip(m) {
+        largest = largest.max(e + c);
+        *m = (*m).max(e + r);
+    }
+    largest
+}
+
+/// The biased exponents of `x`, 0 for zeros and subnormal numbers; whether there is a subnormal one.
+#[multiversion(targets("x86_64+avx512f", "x86_64+avx2+fma", "aarch64+neon"))]
+pub fn biased_exponents(x: &[f64], exponents: &mut [i32]) -> bool {
+    let mut subnormal = 0_u64;
+    for (e, x) in exponents.iter_mut().zip(x) {
+        let size = x.to_bits() << 1 >> 1;
+        *e = (size >> 52) as i32;
+        subnormal |= u64::from((size != 0) & (size >> 52 == 0));
+    }
+    subnormal != 0
 }
 
 /// Numbers handled together by the kernels that ask for padded rows.

@@ -49,7 +49,7 @@ pub fn bilinear(lcp: &Lcp, settings: &Settings, control: &Control<'_>) -> Candid
     let n = lcp.n();
     let mut random = fastrand::Rng::with_seed(settings.seed);
     let q = lcp.q().iter().map(|q| q + PERTURBATION * (0.5 + random.f64())).collect();
-    let perturbed = Lcp::trusted(n, lcp.a().to_vec(), q);
+    let perturbed = lcp.with_q(q);
     let mut search = Search { original: lcp, lcp: &perturbed, control, pivots: 0, best: (f64::INFINITY, vec![0.0; n]) };
     let mut termination = Termination::Breakdown("no start led to a complementary vertex");
     for start in 0..=settings.starts {

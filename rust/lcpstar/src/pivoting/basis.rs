@@ -2,7 +2,7 @@
 
 use crate::linalg::backend::{DenseCholesky, DenseLu, least_squares};
 use crate::linalg::blocked::BlockFactor;
-use crate::linalg::kernels::dot_compensated;
+use crate::linalg::compensated::rows_compensated;
 use crate::problem::Lcp;
 
 /// `A[alpha, alpha]`, row-major.
@@ -100,8 +100,8 @@ impl Block {
         let mut last = f64::INFINITY;
         for _ in 0..REFINEMENTS {
             let mut backward = 0.0_f64;
-            for (r, &i) in self.step.iter_mut().zip(&self.alpha) {
-                let (residual, magnitude) = dot_compensated(lcp.q()[i], lcp.row(i), z);
+            let (residuals, magnitudes) = rows_compensated(lcp.q(), lcp.a(), z, &self.alpha);
+            for ((r, residual), magnitude) in self.step.iter_mut().zip(residuals).zip(magnitudes) {
                 *r = -residual;
                 let ratio = if residual == 0.0 { 0.0 } else { residual.abs() / magnitude };
                 backward = if ratio > backward || ratio.is_nan() { ratio } else { backward };

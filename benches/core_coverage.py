@@ -1,7 +1,7 @@
 """Line and branch coverage of the core by its own tests and by the Python tests: `make coverage`.
 
 Writes `benches/record/coverage.md`. Lines of test modules are not counted. Needs the tools of LLVM that belong to the
-compiler: `rustup component add llvm-tools`.
+compiler: `rustup component add llvm-tools`. Not named `coverage`, which numba would import instead of the package.
 """
 
 from __future__ import annotations
