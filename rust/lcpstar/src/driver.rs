@@ -105,6 +105,20 @@ impl Method {
     }
 }
 
+/// Names that a result may bear beside [`Method::NAMES`]: members of the portfolio and what goes before it.
+pub const MEMBERS: &[&str] = &[
+    "trivial",
+    "warm_start",
+    "pieces",
+    "lemke_small",
+    "lemke_warm",
+    "lemke_random_d",
+    "lemke_double_double",
+    "principal_pivoting_double_double",
+    "feasibility",
+    "exact_lemke",
+];
+
 /// What `solve` needs to know beside the problem.
 #[derive(Clone, Debug)]
 pub struct Settings {
@@ -167,7 +181,7 @@ pub fn solve_briefly(lcp: &Lcp, settings: &Settings, control: &Control<'_>) -> O
 }
 
 /// Order up to which [`solve_briefly`] takes microseconds: too short for a lock to be handed over.
-pub const BRIEF_UP_TO: usize = 64;
+pub const BRIEF_UP_TO: usize = 16;
 
 /// What follows in [`solve`].
 ///
