@@ -176,7 +176,8 @@ fn is_doubtful(problem: &Equilibrated<'_>, solution: &Solution) -> bool {
     lcp.n() <= DOUBTED_UP_TO && lcp.q().iter().zip(magnitudes).any(|(&q, m)| q != 0.0 && q.abs() < HARDLY_SHOWS * m)
 }
 
-const DOUBTED_UP_TO: usize = 16;
+/// Largest order at which [`is_doubtful`] looks.
+pub(super) const DOUBTED_UP_TO: usize = 16;
 const HARDLY_SHOWS: f64 = 1e-6;
 
 /// What [`auto`] tries where A has no structure that helps: Lemke and its restarts, the interior point method, successive

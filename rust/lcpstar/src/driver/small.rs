@@ -2,6 +2,7 @@
 
 use super::anytime::LOOSE;
 use super::pieces::{self, subproblem};
+use super::portfolio::DOUBTED_UP_TO;
 use super::{Certify, Method, Settings};
 use crate::certify::certify;
 use crate::control::Control;
@@ -63,8 +64,11 @@ pub(super) fn solve_part(lcp: &Lcp, settings: &Settings, control: &Control<'_>) 
     let scaling = (n > SCALED_FROM && is_unbalanced(lcp)).then(|| Scaling::new(lcp));
     match solve_scaled(n, lcp.a(), lcp.q(), scaling.as_ref(), settings.tol) {
         Answer::Solved(answer) => Some(solved(&answer)),
-        Answer::Basis { alpha, iterations } => from_basis(lcp, scaling, alpha, iterations, settings.tol),
-        Answer::None => None,
+        // Smaller problems are left to the portfolio, which doubts a point that `certify` alone has accepted.
+        Answer::Basis { alpha, iterations } if n > DOUBTED_UP_TO => {
+            from_basis(lcp, scaling, alpha, iterations, settings.tol)
+        }
+        Answer::Basis { .. } | Answer::None => None,
     }
 }
 
