@@ -55,6 +55,7 @@ impl TinySolution {
 
 /// What the kernel has to say about a problem.
 #[derive(Clone, Debug)]
+#[allow(clippy::large_enum_variant, reason = "returned once and taken apart: a box would be an allocation")]
 pub enum Answer {
     /// A verified solution.
     Solved(TinySolution),
