@@ -221,10 +221,12 @@ def test_mass_ratios(mass_ratio):
         assert solution.z[:4].sum() == pytest.approx(9.81 * 0.01 * mass.sum(), rel=1e-7)
 
 
-@pytest.mark.parametrize("method", ["auto", "lemke", "principal_pivoting", "block_pivoting", "chandrasekaran", "newton"])
+@pytest.mark.parametrize(
+    "method", ["auto", "lemke", "principal_pivoting", "block_pivoting", "chandrasekaran", "newton"]
+)
 @pytest.mark.parametrize("n", [16, 64, 128, 256])
 def test_a_solution_that_decays_to_nothing_is_solved_to_its_end(n, method):
-    """z falls by a factor a row, from 1 to 1e-28, and rows of q are noise or zero: each row holds to its own numbers."""
+    """z falls by a factor a row, down to 1e-28, rows of q are noise or zero, and each row holds to its own numbers."""
     A, q = american_put(n, 1)
     solution = lcpstar.solve(A, q, method=method)
     assert_solves(A, q, solution)
