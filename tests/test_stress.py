@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 
 import lcpstar
 from lcp_checks import assert_solves
+from lcpstar.bench.families import american_put
 from lcpstar.problems import badly_scaled, box_stack, degenerate, random_pd
 
 POINTS = ["auto", "lemke", "principal_pivoting", "block_pivoting", "enumerate", "bilinear", "interior_point"]
@@ -86,6 +87,18 @@ def test_almost_solvable_is_not_solved(name):
     assert sol.status != "solved"
     if sol.status == "infeasible":
         assert lcpstar.verify(A, q, sol)
+
+
+def test_a_point_beside_which_nobody_sees_q():
+    """ADMM diverges to z of 1e103 with A z = 0 nearly: w, computed in twice the working precision, is all rounding."""
+    A = np.array([[-3, 3, -3, 3, -3, -3], [-3, 3, 0, 3, -3, 3], [3, 3, 3, 3, -3, 3], [3, 0, 0, 3, 3, 3],
+                  [0, 3, 3, -3, -3, 3], [3, 3, 3, 3, 3, 3]], float)  # fmt: skip
+    q = np.array([-3.0, -3.0, 0.0, -3.0, -3.0, -3.0])
+    for tol in (1e-14, 1e-9, 1e-3):
+        for method in ("admm", *POINTS):
+            sol = lcpstar.solve(A, q, method=method, tol=tol)
+            if sol.success:
+                assert np.max(np.abs(np.minimum(sol.z, A @ sol.z + q))) <= 3 * max(tol, 1e-6)
 
 
 @pytest.mark.parametrize("method", [*POINTS, "batch"])
@@ -206,3 +219,34 @@ def test_mass_ratios(mass_ratio):
         assert_solves(A, q, solution)
         mass = mass_ratio ** (np.arange(boxes) / max(1, boxes - 1))
         assert solution.z[:4].sum() == pytest.approx(9.81 * 0.01 * mass.sum(), rel=1e-7)
+
+
+@pytest.mark.parametrize(
+    "method", ["auto", "lemke", "principal_pivoting", "block_pivoting", "chandrasekaran", "newton"]
+)
+@pytest.mark.parametrize("n", [16, 64, 128, 256])
+def test_a_solution_that_decays_to_nothing_is_solved_to_its_end(n, method):
+    """z falls by a factor a row, from 1 to 1e-28; rows of q are noise or zero: each row holds to its own numbers."""
+    A, q = american_put(n, 1)
+    solution = lcpstar.solve(A, q, method=method)
+    assert_solves(A, q, solution)
+    assert distance(A, q, solution.z) <= 1e-4
+    if method == "auto":
+        assert solution.method in ("lemke_small", "chandrasekaran")
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_signs_below_the_rounding_of_doubles_are_found_in_double_doubles(seed):
+    """Redundant equations as two inequalities each, with right-hand sides that are rounding errors."""
+    rng = np.random.default_rng(seed)
+    m, k = 90, 260
+    equations = rng.integers(-2, 3, (m, k)) * (rng.random((m, k)) < 0.3)
+    noise = np.where(np.arange(m) % 3 == 0, 1e-17 * rng.random(m), 0.0)
+    equations[m // 2 :], noise[m // 2 :] = equations[: m // 2], noise[: m // 2]
+    rows = np.vstack([equations, -equations])
+    A = np.block([[np.zeros((k, k)), -rows.T], [rows, np.zeros((2 * m, 2 * m))]]).astype(float)
+    q = np.concatenate([rng.random(k), -noise, noise])
+    solution = lcpstar.solve(A, q)
+    assert_solves(A, q, solution)
+    assert solution.method == "lemke_double_double"
+    assert 0 < distance(A, q, solution.z) <= 1e-4

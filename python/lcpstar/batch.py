@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -125,7 +126,7 @@ def solve_batch(
     -----
     Up to n = 32 eight or sixteen problems share the registers of one core: all supports by minors (n <= 3), Newton's
     method on min(z, w), which is block principal pivoting, for matrices with a positive diagonal, then Lemke's method
-    (n <= 24) for what that leaves; up to n = 192 Lemke's method on a condensed tableau; then the portfolio of `solve`.
+    (n <= 24) for what that leaves; up to n = 192 Lemke's method, one problem at a time; then the portfolio of `solve`.
     Every answer is verified from the given numbers with room for rounding; what fails is handed on, never dropped.
     Nothing is allocated per problem before the last stage. The interpreter is released. [CPS92] secs. 4.4, 5.8.
 
@@ -219,7 +220,7 @@ def _uniform(A: Reals, q: Reals, z0: Any, alpha0: ArrayLike | None, options: _Op
         lead = np.broadcast_shapes(A.shape[:-2], q.shape[:-1])
     except ValueError as error:
         raise ShapeError(f"leading axes of A {A.shape} and q {q.shape} do not broadcast") from error
-    count = int(np.prod(lead, dtype=np.intp))
+    count = math.prod(lead)
     out = _core.solve_batch(
         n,
         _blocks(A, count, n * n),
@@ -255,8 +256,8 @@ def _blocks(array: Reals, count: int, length: int) -> Reals:
 
 def _map(own: tuple[int, ...], lead: tuple[int, ...]) -> NDArray[np.uintp] | None:
     """Which block of an array of leading shape `own` each problem reads; None: its own, or the only one."""
-    blocks = int(np.prod(own, dtype=np.intp))
-    if blocks == 1 or blocks == int(np.prod(lead, dtype=np.intp)):
+    blocks = math.prod(own)
+    if blocks == 1 or blocks == math.prod(lead):
         return None
     return np.ascontiguousarray(np.broadcast_to(np.arange(blocks, dtype=np.uintp).reshape(own), lead)).ravel()
 

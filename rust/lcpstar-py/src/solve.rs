@@ -1,6 +1,6 @@
 //! `solve` and `ppt`.
 
-use lcpstar::driver::{self, Certify, Method, Settings};
+use lcpstar::driver::{self, BRIEF_UP_TO, Certify, Method, Settings};
 use lcpstar::methods::{bilinear, block_pivoting, lemke, lemke_howson};
 use lcpstar::{Control, Lcp, LcpError};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
@@ -95,19 +95,14 @@ pub fn solve(
     let settings = Settings { method, tol, z0: z0.as_ref().map(vector), certify };
     let deadline = deadline(py, start, time_limit)?;
     let control = Control { max_iterations, deadline, interrupted: None };
-    let brief = lcp.n() <= driver::BRIEF_UP_TO;
+    let brief = lcp.n() <= BRIEF_UP_TO;
     if brief && let Some(solution) = enter_core_briefly(py, || Ok(driver::solve_briefly(&lcp, &settings, &control)))? {
         return Ok(Some(PySolution::new(solution, start.elapsed().as_secs_f64())));
     }
     let signals = Signals::since(start);
     let control = Control { interrupted: Some(&|| signals.interrupted()), ..control };
-    let solution = enter_core(py, || {
-        if brief {
-            driver::solve_at_length(&lcp, &settings, &control)
-        } else {
-            driver::solve(&lcp, &settings, &control)
-        }
-    })?;
+    let rest = if brief { driver::solve_at_length } else { driver::solve };
+    let solution = enter_core(py, || rest(&lcp, &settings, &control))?;
     signals.raise()?;
     Ok(Some(PySolution::new(solution, start.elapsed().as_secs_f64())))
 }

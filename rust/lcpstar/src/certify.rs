@@ -5,7 +5,9 @@ mod extreme;
 
 use crate::exact::sufficiency::{self, NotSufficient};
 use crate::linalg::kernels::max_abs;
-use crate::residual::{ABSOLUTE, SPARSE_FLOOR, equilibrated_residual, holds_alone, natural_residual, slack};
+use crate::residual::{
+    ABSOLUTE, SPARSE_FLOOR, equilibrated_residual, holds_alone, natural_residual, slack, slack_error,
+};
 use crate::scaling::{Equilibrated, ORDINARY, Scaling};
 use crate::solution::{Candidate, Certificate, Ray, Solution};
 use crate::sparse::SparseLcp;
@@ -89,7 +91,8 @@ fn judge(problem: &Equilibrated<'_>, z: Vec<f64>, tol: f64) -> Judged {
 /// As [`judge`], for any way to compute `w'` and its rounding scale.
 ///
 /// A point that fails is looked at again without the smaller member of each pair, and then without what is rounding error
-/// beside the largest entry: a degenerate z_i that should be zero, in a row that holds nothing else.
+/// beside the largest entry, of one solve or after refinement: a degenerate z_i that should be zero, in a row that holds
+/// nothing else.
 fn judge_point(
     scaling: &Scaling,
     max_q: f64,
@@ -109,15 +112,16 @@ fn judge_point(
         z.fill(0.0); // no iterate worth keeping
     }
     let (w, magnitude) = slack(&z);
-    let noise = NOISE * max_abs(&z);
+    let largest = max_abs(&z);
     let pairs: Vec<f64> = z.iter().zip(&w).map(|(&z, &w)| if z < w { 0.0 } else { z }).collect();
-    let without_noise: Vec<f64> = pairs.iter().map(|&z| if z <= noise { 0.0 } else { z }).collect();
+    let without = |noise: f64| pairs.iter().map(|&z| if z <= noise * largest { 0.0 } else { z }).collect();
+    let (without_noise, without_dust): (Vec<f64>, Vec<f64>) = (without(NOISE), without(NOISE * NOISE));
     let first = measure(scaling, max_q, z, w, magnitude, tol, floor);
     if first.solves {
         return first;
     }
     let mut seen = scaling.z_from_caller(&first.z);
-    for z in [pairs, without_noise] {
+    for z in [pairs, without_noise, without_dust] {
         if z != seen {
             let (w, magnitude) = slack(&z);
             seen.clone_from(&z);
@@ -149,6 +153,7 @@ fn measure(
     floor: f64,
 ) -> Judged {
     let residual = equilibrated_residual(&z, &w);
+    let violation = natural_residual(&z, &w) + slack_error(z.len(), max_abs(&magnitude));
     let rows_hold = (0..z.len()).all(|i| holds_alone(z[i], w[i], magnitude[i], tol, floor));
     let caller_z = scaling.z_to_caller(&z);
     let caller_w = scaling.w_to_caller(&w);
@@ -160,7 +165,7 @@ fn measure(
         .zip(&magnitude)
         .all(|((&z, &w), &m)| z.is_finite() && w.is_finite() && z.min(w).abs() <= allowed + 8.0 * f64::EPSILON * m);
     Judged {
-        solves: residual <= tol && natural_residual(&z, &w) <= tol.max(ABSOLUTE) && rows_agree && rows_hold,
+        solves: residual <= tol && violation <= tol.max(ABSOLUTE) && rows_agree && rows_hold,
         residual,
         natural_residual: natural_residual(&caller_z, &caller_w),
         z: caller_z,
@@ -356,6 +361,16 @@ mod tests {
         let found = verdict(&[0.0, 1.0, 1.0, 0.0], &[-1.0, -1.0], &[1e16, 1.0], 1e-9);
         assert_eq!(found.status, Status::NumericalBreakdown);
         assert!(found.residual <= 1e-9 && !found.message.contains(" > tol"), "{}", found.message);
+    }
+
+    #[test]
+    fn a_z_beside_which_nobody_sees_q_solves_nothing() {
+        // w = A z + q = q exactly, but for what rounding adds.
+        let a = [1.0, -1.0, 1.0, -1.0];
+        for size in [1e12, 1e25, 1e100] {
+            let found = verdict(&a, &[-1.0, -1.0], &[size, size], 1e-9);
+            assert_ne!(found.status, Status::Solved, "{size}");
+        }
     }
 
     #[test]

@@ -3,6 +3,7 @@
 mod anytime;
 mod approximate;
 mod pieces;
+mod polish;
 mod portfolio;
 mod prove;
 mod small;
@@ -104,6 +105,20 @@ impl Method {
     }
 }
 
+/// Names that a result may bear beside [`Method::NAMES`]: members of the portfolio and what goes before it.
+pub const MEMBERS: &[&str] = &[
+    "trivial",
+    "warm_start",
+    "pieces",
+    "lemke_small",
+    "lemke_warm",
+    "lemke_random_d",
+    "lemke_double_double",
+    "principal_pivoting_double_double",
+    "feasibility",
+    "exact_lemke",
+];
+
 /// What `solve` needs to know beside the problem.
 #[derive(Clone, Debug)]
 pub struct Settings {
@@ -166,7 +181,7 @@ pub fn solve_briefly(lcp: &Lcp, settings: &Settings, control: &Control<'_>) -> O
 }
 
 /// Order up to which [`solve_briefly`] takes microseconds: too short for a lock to be handed over.
-pub const BRIEF_UP_TO: usize = 64;
+pub const BRIEF_UP_TO: usize = 16;
 
 /// What follows in [`solve`].
 ///
@@ -177,7 +192,10 @@ pub fn solve_at_length(lcp: &Lcp, settings: &Settings, control: &Control<'_>) ->
     let problem = Equilibrated::new(lcp);
     let solution = match at_once(&problem, settings) {
         Some(solution) => solution,
-        None => by_method(&problem, settings, control)?,
+        None => {
+            let solution = by_method(&problem, settings, control)?;
+            polish::polished(&problem, &solution, settings.tol, control).unwrap_or(solution)
+        }
     };
     Ok(match settings.certify {
         Certify::Float => solution,
@@ -425,6 +443,11 @@ fn covering_vector(problem: &Equilibrated<'_>, d: &[f64]) -> Vec<f64> {
     let shift = |d: &f64, r: &i32| exponent(*d) + r;
     let largest = d.iter().zip(&problem.scaling.rows).map(|(d, r)| shift(d, r)).max().unwrap_or(0);
     d.iter().zip(&problem.scaling.rows).map(|(d, r)| scaled(d, r - largest).max(f64::MIN_POSITIVE)).collect()
+}
+
+/// The same limits, and at most `limit` iterations.
+fn with_limit<'a>(control: &Control<'a>, limit: usize) -> Control<'a> {
+    control.with_max_iterations(Some(control.max_iterations.map_or(limit, |own| own.min(limit))))
 }
 
 /// Indices of the positive entries.

@@ -10,6 +10,12 @@ pub fn slack(lcp: &Lcp, z: &[f64]) -> (Vec<f64>, Vec<f64>) {
     affine_compensated(lcp.q(), lcp.a(), z)
 }
 
+/// What a computed `w_i` may be off by beyond its own rounding, for a row of n terms of sum `m`. [ORO05]
+#[must_use]
+pub fn slack_error(n: usize, m: f64) -> f64 {
+    (n as f64 * f64::EPSILON).powi(2) * m
+}
+
 /// The natural residual `max_i |min(z_i, w_i)|`; NaN if any entry is. [CPS92, sec. 5.10]
 #[must_use]
 pub fn natural_residual(z: &[f64], w: &[f64]) -> f64 {
@@ -48,6 +54,7 @@ pub const SPARSE_FLOOR: f64 = 32.0 * f64::EPSILON;
 
 /// On the equilibrated problem, where `max|q'| < 1`, `max|min(z', w')|` itself must be below `max(tol, ABSOLUTE)`: both other
 /// tests allow rounding in proportion to z, and a z of 1e16 from a nearly singular block would pass them with any error.
+/// Beyond 1e22 or so not even [`slack`] sees q: what it may be off by counts, too.
 pub const ABSOLUTE: f64 = 1e-6;
 
 /// `min(a, b)` that keeps NaN.

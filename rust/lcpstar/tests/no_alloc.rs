@@ -1,36 +1,13 @@
 //! The pivot loop of Lemke's method and the dense interior point loop do not allocate: more iterations, the same number of
 //! allocations.
 
+mod counting;
+
+use counting::ALLOCATIONS;
 use lcpstar::methods::interior_point::{self, interior_point};
 use lcpstar::methods::lemke::{Settings, lemke};
 use lcpstar::{Control, Lcp, Termination};
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::sync::atomic::{AtomicUsize, Ordering};
-
-struct Counting;
-
-static ALLOCATIONS: AtomicUsize = AtomicUsize::new(0);
-
-// Counting allocations needs the allocator itself, whose trait is unsafe; every call is passed on unchanged.
-#[allow(unsafe_code)]
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        ALLOCATIONS.fetch_add(1, Ordering::Relaxed);
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
-        ALLOCATIONS.fetch_add(1, Ordering::Relaxed);
-        unsafe { System.realloc(pointer, layout, size) }
-    }
-
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        unsafe { System.dealloc(pointer, layout) }
-    }
-}
-
-#[global_allocator]
-static COUNTING: Counting = Counting;
+use std::sync::atomic::Ordering;
 
 /// Murty's matrix: 2^n - 1 pivots with d = e. [Mur78]
 fn murty(n: usize) -> Lcp {

@@ -1,38 +1,17 @@
 //! A batch allocates per thread, never per problem.
 
+mod counting;
+
+use counting::ALLOCATIONS;
 use lcpstar::batch::{Alpha, Guess, Numbers, Output, Problems, Settings, Source, solve_batch};
 use lcpstar::driver::Method;
 use lcpstar::small;
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::sync::atomic::{AtomicUsize, Ordering};
-
-struct Counting;
-
-static ALLOCATIONS: AtomicUsize = AtomicUsize::new(0);
-
-// SAFETY: hands everything to the system allocator.
-#[allow(unsafe_code, reason = "an allocator that counts")]
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        ALLOCATIONS.fetch_add(1, Ordering::Relaxed);
-        unsafe { System.alloc(layout) }
-    }
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        unsafe { System.dealloc(pointer, layout) }
-    }
-}
-
-#[global_allocator]
-static GLOBAL: Counting = Counting;
+use std::sync::atomic::Ordering;
 
 /// Numbers in [-1, 1), reproducible.
 fn numbers(count: usize) -> Vec<f64> {
-    let mut state = 1_u64;
-    let mut next = || {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-    };
-    (0..count).map(|_| next()).collect()
+    let mut rng = fastrand::Rng::with_seed(1);
+    (0..count).map(|_| 2.0 * rng.f64() - 1.0).collect()
 }
 
 /// `B B'` with `rank` columns plus `shift I`, and a `q` for which `z = max(x, 0)` is a solution.

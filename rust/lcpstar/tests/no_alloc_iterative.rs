@@ -1,35 +1,12 @@
 //! The loops of the approximate methods do not allocate: more iterations, the same number of allocations.
 
+mod counting;
+
+use counting::ALLOCATIONS;
 use lcpstar::iterative::{Dense, Goal};
 use lcpstar::methods::{admm, apgd, nncg, pgs};
 use lcpstar::{Candidate, Control, Lcp, Termination};
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::sync::atomic::{AtomicUsize, Ordering};
-
-struct Counting;
-
-static ALLOCATIONS: AtomicUsize = AtomicUsize::new(0);
-
-// Counting allocations needs the allocator itself, whose trait is unsafe; every call is passed on unchanged.
-#[allow(unsafe_code)]
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        ALLOCATIONS.fetch_add(1, Ordering::Relaxed);
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
-        ALLOCATIONS.fetch_add(1, Ordering::Relaxed);
-        unsafe { System.realloc(pointer, layout, size) }
-    }
-
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        unsafe { System.dealloc(pointer, layout) }
-    }
-}
-
-#[global_allocator]
-static COUNTING: Counting = Counting;
+use std::sync::atomic::Ordering;
 
 /// A chain of 60, or the same with a skew part: hundreds of iterations for every method.
 fn chain(skew: f64) -> Lcp {

@@ -125,6 +125,9 @@ impl<X: Lane<Number = f64>, S: Lane<Number = f32>> Lanes<X, S> {
         output: &mut Output<'_>,
     ) {
         self.failed.clear();
+        if phase == Phase::Newton {
+            self.set_aside_unfit(task, waiting);
+        }
         let mut groups = waiting.chunks(X::LANES).peekable();
         while let Some(members) = groups.next() {
             self.load::<N>(task, members);
@@ -146,6 +149,23 @@ impl<X: Lane<Number = f64>, S: Lane<Number = f32>> Lanes<X, S> {
             self.failed.extend(members.iter().enumerate().filter(|&(l, _)| open >> l & 1 == 1).map(|(_, &k)| k));
         }
         std::mem::swap(waiting, &mut self.failed);
+    }
+
+    /// Newton's method wants a positive diagonal: other problems are not even loaded for it.
+    #[inline(always)]
+    fn set_aside_unfit(&mut self, task: &Task<'_>, waiting: &mut Vec<usize>) {
+        let (n, problems) = (self.n, task.problems);
+        waiting.retain(|&k| {
+            let block = problems.a_source.block(task.first + k) * n * n;
+            let fit = match problems.a {
+                Numbers::Double(a) => a[block..block + n * n].iter().step_by(n + 1).all(|&x| x > 0.0),
+                Numbers::Single(a) => a[block..block + n * n].iter().step_by(n + 1).all(|&x| x > 0.0),
+            };
+            if !fit {
+                self.failed.push(k);
+            }
+            fit
+        });
     }
 
     /// The lanes whose turn it is.

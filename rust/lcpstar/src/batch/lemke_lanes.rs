@@ -10,7 +10,7 @@
 
 use super::newton::{Tile, multiply};
 use crate::small::lane::{Lane, Mask};
-use crate::small::lemke::{CANCELLED, NOISE, PIVOT_TOLERANCE, TIE, spread};
+use crate::small::lemke::{CANCELLED, NOISE, PIVOT_TOLERANCE, ROUNDING, TIE, spread};
 
 /// Memory for [`Pivots::solve`].
 pub struct Pivots<X: Lane> {
@@ -25,6 +25,8 @@ pub struct Pivots<X: Lane> {
     column: Vec<X>,
     /// The new pivot row.
     row: Vec<X>,
+    /// `|q_a|` by column.
+    terms: Vec<X>,
     /// Where a lane's driving variable does not stand in column j.
     elsewhere: Vec<X::Mask>,
     /// Value by label: that of label k at `k + n`, -1 for the nonbasic ones.
@@ -72,6 +74,7 @@ impl<X: Lane> Pivots<X> {
             place: zeros(n),
             column: zeros(n),
             row: zeros(n + 1),
+            terms: zeros(n + 1),
             elsewhere: vec![X::Mask::NONE; n + 1],
             values: zeros(2 * n + 1),
         }
@@ -275,26 +278,32 @@ impl<X: Lane> Pivots<X> {
     }
 
     /// `z_a -= A_aa^-1 w_a` for the lanes of `which`, the inverse read off the final tableau, then w again. What cancels
-    /// was rounding error.
+    /// was rounding error, and so is what is small beside the terms of `A_aa^-1 q_a`.
     #[inline(always)]
     pub fn refine<const N: usize>(&mut self, n: usize, tile: &mut Tile<X>, which: X::Mask) {
         let n = if N == 0 { n } else { N };
-        let s = n + 1;
-        self.row.fill(X::splat(0.0));
+        let (s, zero) = (n + 1, X::splat(0.0));
+        let (w_a, q_a) = (&mut self.row, &mut self.terms);
+        w_a.fill(zero);
+        q_a.fill(zero);
         for k in 0..n {
-            let w = tile.w[k].only(tile.alpha[k]);
+            let (w, q) = (tile.w[k].only(tile.alpha[k]), tile.q[k].abs().only(tile.alpha[k]));
             for l in 0..X::LANES {
-                self.row[self.place[k].get(l) as usize].set_from(l, &w);
+                let column = self.place[k].get(l) as usize;
+                w_a[column].set_from(l, &w);
+                q_a[column].set_from(l, &q);
             }
         }
         for i in 0..n {
-            let mut step = X::splat(0.0);
-            for j in 0..s {
-                step = step.add_product(self.t[i * s + j], self.row[j]);
+            let (mut step, mut size) = (zero, zero);
+            for (t, (w, q)) in self.t[i * s..(i + 1) * s].iter().zip(w_a.iter().zip(&*q_a)) {
+                step = step.add_product(*t, *w);
+                size = size.add_product(t.abs(), *q);
             }
-            let value = self.rhs[i].max(X::splat(0.0));
+            let value = self.rhs[i].max(zero);
             let better = value.sub(step);
-            let better = better.only(value.mul(X::splat(CANCELLED)).lt(better));
+            let least = value.mul(X::splat(CANCELLED)).max(size.mul(X::splat(ROUNDING)));
+            let better = better.only(least.lt(better));
             self.rhs[i] = better.or_else(which, self.rhs[i]);
         }
         self.harvest::<N>(n, tile);

@@ -1,4 +1,4 @@
-//! Many small problems: one per SIMD lane, a tableau in reused memory for what the lanes cannot do, and the general
+//! Many small problems: one per SIMD lane, Lemke's method in reused memory for what the lanes cannot do, and the general
 //! solver for what remains. Every answer is verified; nothing is dropped.
 //!
 //! A problem's bits depend on its own numbers only: not on its neighbours, the order, the split of the batch or the

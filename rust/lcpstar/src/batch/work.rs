@@ -13,7 +13,7 @@ use crate::small::avx::{Ymm2, Zmm, ZmmS};
 #[cfg(target_arch = "x86_64")]
 use crate::small::lane::Pair;
 use crate::small::lane::{F32x16, F64x8, Lane};
-use crate::small::lemke::Tableau;
+use crate::small::lemke::Basis;
 use crate::solution::{Candidate, Solution};
 use crate::status::{Status, Termination};
 use multiversion::multiversion;
@@ -25,40 +25,40 @@ const PAIR_ORDER: usize = 16;
 /// Largest order for which a guessed support is tried in lanes.
 pub(super) const GUESS_ORDER: usize = 32;
 
-/// Largest order for which the tableau is tried before the general solver.
-const TABLEAU_ORDER: usize = 192;
+/// Largest order for which Lemke's method is tried before the general solver.
+const SMALL_ORDER: usize = 192;
 
-/// Names of the methods in [`Output::method`](super::Output::method).
-pub const METHODS: &[&str] = &[
-    "newton",
-    "lemke",
-    "auto",
-    "trivial",
-    "warm_start",
-    "block_pivoting",
-    "lemke_howson",
-    "lemke_double_double",
-    "lemke_random_d",
-    "lemke_warm",
-    "potential_reduction",
-    "interior_point",
-    "feasibility",
-    "bilinear",
-    "exact_lemke",
-    "principal_pivoting",
-    "chandrasekaran",
-    "enumerate",
-    "islands",
-    "pgs",
-    "pgs_sm",
-    "nncg",
-    "apgd",
-    "admm",
-];
-pub(super) const NEWTON: u8 = 0;
-pub(super) const LEMKE: u8 = 1;
-const AUTO: u8 = 2;
-pub(super) const ENUMERATE: u8 = 17;
+const COUNT: usize = driver::Method::NAMES.len() + driver::MEMBERS.len();
+
+/// Names of the methods in [`Output::method`](super::Output::method): all that a result may bear.
+pub const METHODS: [&str; COUNT] = {
+    let mut all = [""; COUNT];
+    let (methods, members) = all.split_at_mut(driver::Method::NAMES.len());
+    methods.copy_from_slice(driver::Method::NAMES);
+    members.copy_from_slice(driver::MEMBERS);
+    all
+};
+pub(super) const NEWTON: u8 = code("newton");
+pub(super) const LEMKE: u8 = code("lemke");
+pub(super) const ENUMERATE: u8 = code("enumerate");
+const AUTO: u8 = code("auto");
+
+/// The place of a name in [`METHODS`]; one that is not there stops the compiler.
+const fn code(name: &str) -> u8 {
+    let mut i = 0;
+    while !is_same(METHODS[i].as_bytes(), name.as_bytes()) {
+        i += 1;
+    }
+    i as u8
+}
+
+const fn is_same(a: &[u8], b: &[u8]) -> bool {
+    let mut i = 0;
+    while i < a.len() && i < b.len() && a[i] == b[i] {
+        i += 1;
+    }
+    i == a.len() && i == b.len()
+}
 
 /// The place of a name of the general solver in [`METHODS`].
 fn method_code(name: &str) -> u8 {
@@ -148,7 +148,7 @@ pub(super) struct Task<'a> {
 /// Memory of one thread for problems that take turns.
 struct Worker<X: Lane> {
     n: usize,
-    tableau: Tableau<X>,
+    basis: Basis<X>,
     w: Vec<f64>,
     a: Vec<f64>,
     q: Vec<f64>,
@@ -159,14 +159,7 @@ struct Worker<X: Lane> {
 impl<X: Lane<Number = f64>> Worker<X> {
     #[inline(always)]
     fn new(n: usize) -> Self {
-        Self {
-            n,
-            tableau: Tableau::default(),
-            w: vec![0.0; n],
-            a: vec![0.0; n * n],
-            q: vec![0.0; n],
-            waiting: Vec::new(),
-        }
+        Self { n, basis: Basis::default(), w: vec![0.0; n], a: vec![0.0; n * n], q: vec![0.0; n], waiting: Vec::new() }
     }
 
     /// Lemke's method for each problem that waits; the general solver for what that leaves.
@@ -179,34 +172,34 @@ impl<X: Lane<Number = f64>> Worker<X> {
             z0: None,
             ..driver::Settings::default()
         };
-        let by_tableau = matches!(settings.method, driver::Method::Auto) && n <= TABLEAU_ORDER && n > 0;
+        let by_lemke = matches!(settings.method, driver::Method::Auto) && n <= SMALL_ORDER && n > 0;
         let control = Control { interrupted: settings.interrupted, ..Control::default() };
         for &k in &self.waiting {
             let place = task.first + k;
             task.problems.copy(place, &mut self.a, &mut self.q);
             let range = k * n..(k + 1) * n;
             let guessed = !matches!(settings.guess, Guess::None);
-            if guessed && (n > GUESS_ORDER || !by_tableau) {
+            if guessed && (n > GUESS_ORDER || !by_lemke) {
                 let z0 = (0..n).map(|i| f64::from(u8::from(settings.guess.contains(n, place, i, false)))).collect();
                 general.z0 = Some(z0);
-            } else if by_tableau {
-                let judged = self.tableau.solve_and_verify(n, &self.a, &self.q, None, &mut self.w, settings.tol);
+            } else if by_lemke {
+                let judged = self.basis.solve_and_verify(n, &self.a, &self.q, &mut self.w, settings.tol);
                 if let Some(judged) = judged {
                     for i in 0..n {
-                        output.z[k * n + i] = self.tableau.z(i);
+                        output.z[k * n + i] = self.basis.z(i);
                     }
                     output.w[range].copy_from_slice(&self.w);
                     output.status[k] = Status::Solved as u8;
                     output.method[k] = LEMKE;
-                    output.iterations[k] = self.tableau.pivots as u32;
+                    output.iterations[k] = self.basis.pivots as u32;
                     output.residual[k] = judged.residual;
                     output.natural_residual[k] = judged.natural_residual;
-                    output.alpha.write(n, k, |i| self.tableau.is_basic(i));
+                    output.alpha.write(n, k, |i| self.basis.is_basic(i));
                     continue;
                 }
             }
             let lcp = Lcp::new(n, self.a.clone(), self.q.clone()).map_err(|error| in_batch(error, place))?;
-            let solution = match self.tableau_point(by_tableau && !guessed, &lcp, settings.tol) {
+            let solution = match self.unverified_point(by_lemke && !guessed, &lcp, settings.tol) {
                 Some(solution) => solution,
                 None => driver::solve(&lcp, &general, &control).map_err(|error| in_batch(error, place))?,
             };
@@ -224,16 +217,16 @@ impl<X: Lane<Number = f64>> Worker<X> {
 }
 
 impl<X: Lane<Number = f64>> Worker<X> {
-    /// A basis that the tableau found and could not verify row by row, judged on the equilibrated problem.
-    fn tableau_point(&self, tried: bool, lcp: &Lcp, tol: f64) -> Option<Solution> {
-        if !tried || !self.tableau.found_basis {
+    /// A basis that Lemke's method found and could not verify row by row, judged on the equilibrated problem.
+    fn unverified_point(&self, tried: bool, lcp: &Lcp, tol: f64) -> Option<Solution> {
+        if !tried || !self.basis.found_basis {
             return None;
         }
         let problem = Equilibrated::new(lcp);
-        let z: Vec<f64> = (0..self.n).map(|j| self.tableau.z(j)).collect();
-        let alpha = (0..self.n).filter(|&j| self.tableau.is_basic(j)).collect();
+        let z: Vec<f64> = (0..self.n).map(|j| self.basis.z(j)).collect();
+        let alpha = (0..self.n).filter(|&j| self.basis.is_basic(j)).collect();
         let point =
-            Candidate::point(problem.scaling.z_from_caller(&z), Termination::ComplementaryBasis, self.tableau.pivots);
+            Candidate::point(problem.scaling.z_from_caller(&z), Termination::ComplementaryBasis, self.basis.pivots);
         let solution = certify(&problem, Candidate { alpha: Some(alpha), ..point }, METHODS[usize::from(LEMKE)], tol);
         (solution.status == Status::Solved).then_some(solution)
     }
@@ -247,5 +240,23 @@ fn in_batch(error: LcpError, k: usize) -> LcpError {
             LcpError::NotFinite { name, index, value }
         }
         other => other,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_member_of_the_portfolio_has_a_name_in_a_batch() {
+        let source = concat!(include_str!("../driver/portfolio.rs"), include_str!("../driver/prove.rs"));
+        let names: Vec<&str> = source.split("race.run(\"").skip(1).filter_map(|rest| rest.split('"').next()).collect();
+        assert!(names.len() > 9, "{names:?}");
+        for name in names {
+            assert_eq!(METHODS[usize::from(method_code(name))], name);
+        }
+        for (i, name) in METHODS.iter().enumerate() {
+            assert_eq!(usize::from(method_code(name)), i, "{name} is listed twice");
+        }
     }
 }

@@ -3,7 +3,7 @@
 //! Deterministic; the first member whose point is certified (solved, or infeasible with a checked Farkas vector) answers
 //! and is named in the result. A member that fails costs its pivot budget, never the answer.
 
-use super::{Certify, Settings, prove, support};
+use super::{Certify, Settings, polish, prove, support, with_limit};
 use crate::certify::certify;
 use crate::control::Control;
 use crate::linalg::dd::Dd;
@@ -46,6 +46,9 @@ impl<'a> Race<'a> {
             return true;
         }
         let mut solution = certify(self.problem, method(&self.control.with_max_iterations(left)), name, self.tol);
+        if let Some(polished) = polish::polished(self.problem, &solution, self.tol, &self.control) {
+            solution = polished;
+        }
         self.iterations += solution.iterations;
         self.members += 1;
         solution.iterations = self.iterations;
@@ -191,11 +194,21 @@ fn last_resorts(mut race: Race<'_>, settings: &Settings) -> Solution {
         return race.finish();
     }
     let options = bilinear::Settings::default();
-    if !race.run("bilinear", |control| bilinear::bilinear(lcp, &options, control)) && lcp.n() <= ENUMERATE_UP_TO {
+    let programmes =
+        |control: &Control<'_>| bilinear::bilinear(lcp, &options, &with_limit(control, pivots_worthwhile(lcp.n())));
+    if !race.run("bilinear", programmes) && lcp.n() <= ENUMERATE_UP_TO {
         race.run("enumerate", |control| enumerate::enumerate(lcp, control));
     }
     race.finish()
 }
+
+/// Pivots granted to successive linear programmes: what they solve they solve within a few n, and a pivot is O(n^2).
+fn pivots_worthwhile(n: usize) -> usize {
+    bilinear::default_limit(n).min((10 * n).max(PROGRAMMES_WORK / (n * n).max(1)))
+}
+
+/// `pivots n^2`: well below a second.
+const PROGRAMMES_WORK: usize = 1_000_000_000;
 
 /// Largest order at which all index sets are tried when everything else has failed.
 const ENUMERATE_UP_TO: usize = 12;
@@ -225,6 +238,14 @@ fn feasible_point(lcp: &Lcp, control: &Control<'_>) -> Candidate {
     }
 }
 
+/// From the support of a point within `tol`, in double-doubles: signs at the rounding level of doubles decide the basis.
+fn from_near(race: &mut Race<'_>) -> bool {
+    let near = race.best.as_ref().filter(|best| polish::is_near(best, race.tol));
+    let Some(alpha) = near.map(|best| support(&best.z)) else { return false };
+    let lcp = &race.problem.lcp;
+    race.run("lemke_double_double", |control| lemke::lemke_from::<Dd>(lcp, &alpha, &with_limit(control, lcp.n())))
+}
+
 /// `true` when one of them gave the final answer.
 fn lemke_members(race: &mut Race<'_>, restarts: usize, seed: u64) -> bool {
     let lcp = &race.problem.lcp;
@@ -243,6 +264,9 @@ fn lemke_members(race: &mut Race<'_>, restarts: usize, seed: u64) -> bool {
         }
         if restart > 0 {
             continue;
+        }
+        if from_near(race) {
+            return true;
         }
         if n <= DOUBLE_DOUBLE_UP_TO
             && race.run("lemke_double_double", |control| lemke::lemke::<Dd>(lcp, &plain, control))

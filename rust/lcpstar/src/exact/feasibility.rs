@@ -178,28 +178,20 @@ fn index(member: Var, n: usize) -> usize {
 mod tests {
     use super::super::farkas::check_farkas;
     use super::*;
+    use fastrand::Rng;
 
     fn never() -> bool {
         false
     }
 
-    struct Draw(u64);
-
-    impl Draw {
-        fn below(&mut self, m: u64) -> f64 {
-            self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-            ((self.0 >> 33) % m) as f64
-        }
-    }
-
     #[test]
     fn feasibility_is_proved_either_way() {
-        let mut draw = Draw(5);
+        let mut draw = Rng::with_seed(5);
         let (mut yes, mut no) = (0, 0);
         for n in [1, 2, 4, 6] {
             for _ in 0..80 {
-                let a: Vec<f64> = (0..n * n).map(|_| draw.below(5) - 3.0).collect();
-                let q: Vec<f64> = (0..n).map(|_| draw.below(5) - 3.0).collect();
+                let a: Vec<f64> = (0..n * n).map(|_| f64::from(draw.u32(..5)) - 3.0).collect();
+                let q: Vec<f64> = (0..n).map(|_| f64::from(draw.u32(..5)) - 3.0).collect();
                 let lcp = Lcp::new(n, a, q).expect("valid");
                 match feasibility(&lcp, &[], &[], &never) {
                     Feasibility::Feasible(z) => {

@@ -216,11 +216,8 @@ mod tests {
 
     #[test]
     fn verdicts_agree_with_fractions_on_all_bases_of_small_integer_problems() {
-        let mut state = 12345u64;
-        let mut draw = |m: u64| {
-            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-            ((state >> 33) % m) as f64
-        };
+        let mut rng = fastrand::Rng::with_seed(12345);
+        let mut draw = |m: u32| f64::from(rng.u32(..m));
         let mut proved = 0;
         for _ in 0..150 {
             let n = 4;

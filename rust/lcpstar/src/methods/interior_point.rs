@@ -44,7 +44,7 @@ pub const DEFAULT_MAX_ITERATIONS: usize = 100;
 const FIRST_FINISH: f64 = 1e-9;
 const NEXT_FINISH: f64 = 1e-2;
 /// Its cheap half, one factorisation, is tried from this residual on, each time the residual fell as much again.
-const FIRST_QUICK: f64 = 1e-4;
+const FIRST_QUICK: f64 = 1e-2;
 const NEXT_QUICK: f64 = 0.1;
 /// Steps below this ...
 const SHORT_STEP: f64 = 1e-3;

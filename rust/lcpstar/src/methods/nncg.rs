@@ -19,6 +19,18 @@ const GROWTH: f64 = 10.0;
 /// Iterates from `z0` or 0. A sweep and O(n): `A p` follows from the change of w in the sweep. The loop does not allocate.
 #[must_use]
 pub fn nncg(matrix: &impl Matrix, goal: &Goal, z0: Option<&[f64]>, control: &Control<'_>) -> Candidate {
+    nncg_while(matrix, goal, z0, control, |_, _| true)
+}
+
+/// As [`nncg`], as long as `promising(sweeps, least residual)` says so; asked after each sweep.
+#[must_use]
+pub fn nncg_while(
+    matrix: &impl Matrix,
+    goal: &Goal,
+    z0: Option<&[f64]>,
+    control: &Control<'_>,
+    mut promising: impl FnMut(usize, f64) -> bool,
+) -> Candidate {
     let n = matrix.n();
     let sweep = Sweep::new(matrix, 1.0);
     let (mut z, mut w) = start(matrix, z0);
@@ -43,6 +55,9 @@ pub fn nncg(matrix: &impl Matrix, goal: &Goal, z0: Option<&[f64]>, control: &Con
         let measure = goal.measure(&z, &w);
         let grown = measure.residual > GROWTH * best.residual;
         reached = best.offer_measured(matrix, &z, measure);
+        if !reached && !promising(iterations, best.residual) {
+            break Termination::IterationLimit;
+        }
         if change <= STALLED * max_abs(&z) {
             break Termination::Breakdown(if sweep.skips { SKIPPED } else { ROUNDING });
         }

@@ -1,28 +1,20 @@
-//! Lemke's method for one small problem in memory that is used again: the survivor of singular, copositive and
-//! unsymmetric problems behind the lane kernel. [CPS92, sec. 4.4]
+//! Lemke's method for one problem in memory that is used again: the survivor of singular, copositive and unsymmetric
+//! problems behind the lane kernels. [CPS92, sec. 4.4]
 //!
-//! A condensed tableau: row r reads `basic_r = rhs_r + sum_j t_rj nonbasic_j + column_r driving`. Slot j of the
-//! columns holds the nonbasic member of the pair `(w_j, z_j)`; the driving variable has a column of its own, so that
-//! the ratio test and the update run over contiguous memory and a pivot moves one column.
+//! In an almost complementary basis every pair `(w_i, z_i)` has one basic variable, but one pair, the missing one, has
+//! none: z_0 is basic in its place. So values are kept by pair. Let the rows a be those with w_i nonbasic. Only the
+//! part of the tableau that belongs to them is kept, `t`, the inverse of the columns of the basic z's and of z_0 in the
+//! rows a; the driving column and the pivot row are computed from it and from A. A pivot costs O(n |a|), not O(n^2).
 //!
 //! The covering vector is not `e` but spread over [1, 2): the line `q + z_0 d` then meets degenerate bases only by
-//! accident, which is what a lexicographic rule is for otherwise. Among tied rows the one holding z_0 wins, then the
-//! largest pivot.
+//! accident, which is what a lexicographic rule is for otherwise. Among tied rows that of z_0 wins, then the largest
+//! pivot.
 
-use super::lane::{Lane, Mask};
-use super::verify::{Judged, is_small_when_equilibrated, verify_one};
-use crate::scaling::{Scaling, times_power_of_two};
+use super::lane::{BLOCK, Lane, Mask};
+use super::verify::{Judged, is_small_when_equilibrated, verify_columns};
 
 /// Numbers per row are padded to a multiple of this.
 const WIDTH: usize = 8;
-
-/// Who sits in a row.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Basic {
-    W(usize),
-    Z(usize),
-    Z0,
-}
 
 /// How the method stopped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -33,6 +25,13 @@ enum Stop {
     Ray,
     /// Too many pivots.
     Limit,
+}
+
+/// The variable that drives: that of the missing pair which did not leave last.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Driving {
+    W,
+    Z,
 }
 
 /// Refinement steps at most.
@@ -50,30 +49,35 @@ pub(crate) const TIE: f64 = 1.0 + 1e-11;
 /// A value that cancels to less than this part of itself is rounding error, and zero.
 pub(crate) const NOISE: f64 = 1e-14;
 
+/// A sum smaller than this part of its terms' magnitudes is rounding error.
+pub(crate) const ROUNDING: f64 = 64.0 * f64::EPSILON;
+
 /// A correction that leaves less than this part of a value shows that the value was rounding error.
 pub(crate) const CANCELLED: f64 = 1e-8;
 
-/// The tableau and what belongs to it; grows to the largest problem it has seen.
-pub struct Tableau<X> {
+/// The basis and what belongs to it; grows to the largest problem it has seen. Vectors of numbers are padded.
+pub struct Basis<X> {
     n: usize,
-    /// Vectors per row.
+    /// Vectors per column of A and per row of t.
     width: usize,
-    /// `A` as given, for the verification.
-    a: Vec<X>,
+    /// Column j of `A` at `j width`.
+    columns: Vec<X>,
+    covering: Vec<X>,
+    /// Row p belongs to the basic variable of pair `pairs[p]`, column k to w of pair `pairs[k]`; zero beyond.
     t: Vec<X>,
+    /// Pairs with w nonbasic, in the order of the rows of t.
+    pairs: Vec<usize>,
+    /// Where a pair stands there.
+    place: Vec<Option<usize>>,
+    /// The basic variable of each pair.
+    value: Vec<X>,
+    /// The driving column, by pair.
     column: Vec<X>,
-    rhs: Vec<X>,
-    /// The new pivot row.
-    row: Vec<X>,
     ratio: Vec<X>,
+    /// Numbers in the order of the columns of t.
+    row: Vec<X>,
     z: Vec<X>,
-    /// The diagonals of `D_r A D_c`, on which the pivots work, when the problem comes with a scaling.
-    row_factors: Vec<f64>,
-    column_factors: Vec<X>,
     sums: Vec<[X; 2]>,
-    basic: Vec<Basic>,
-    /// Whether slot j holds z_j rather than w_j.
-    holds_z: Vec<bool>,
     /// Whether the last run ended with a complementary basis.
     pub found_basis: bool,
     /// Pivots of the last run.
@@ -91,43 +95,46 @@ fn put<X: Lane<Number = f64>>(v: &mut [X], i: usize, x: f64) {
     v[i / WIDTH].set(i % WIDTH, x);
 }
 
-impl<X> Default for Tableau<X> {
+impl<X> Default for Basis<X> {
     fn default() -> Self {
         Self {
             n: 0,
             width: 0,
-            a: Vec::new(),
+            columns: Vec::new(),
+            covering: Vec::new(),
             t: Vec::new(),
+            pairs: Vec::new(),
+            place: Vec::new(),
+            value: Vec::new(),
             column: Vec::new(),
-            rhs: Vec::new(),
-            row: Vec::new(),
             ratio: Vec::new(),
+            row: Vec::new(),
             z: Vec::new(),
-            row_factors: Vec::new(),
-            column_factors: Vec::new(),
             sums: Vec::new(),
-            basic: Vec::new(),
-            holds_z: Vec::new(),
             found_basis: false,
             pivots: 0,
         }
     }
 }
 
-impl<X: Lane<Number = f64>> Tableau<X> {
+impl<X: Lane<Number = f64>> Basis<X> {
     /// Runs the method and refines the answer until it is verified; `None` if that fails. `w = A z + q` as computed.
     #[inline(always)]
-    pub fn solve_and_verify(
-        &mut self,
-        n: usize,
-        a: &[f64],
-        q: &[f64],
-        scaling: Option<&Scaling>,
-        w: &mut [f64],
-        tol: f64,
-    ) -> Option<Judged> {
-        self.load(n, a, q, scaling);
-        self.found_basis = self.solve(PIVOTS_PER_ROW * n) == Stop::Basis;
+    pub fn solve_and_verify(&mut self, n: usize, a: &[f64], q: &[f64], w: &mut [f64], tol: f64) -> Option<Judged> {
+        self.pivots = 0;
+        self.found_basis = false;
+        if !self.load(n, a) {
+            return None;
+        }
+        let mut stop = Stop::Ray;
+        for covering in COVERINGS {
+            let limit = self.pivots + PIVOTS_PER_ROW * n;
+            stop = self.solve(a, q, covering, limit);
+            if stop == Stop::Basis {
+                break;
+            }
+        }
+        self.found_basis = stop == Stop::Basis;
         if !self.found_basis {
             return None;
         }
@@ -135,7 +142,7 @@ impl<X: Lane<Number = f64>> Tableau<X> {
         self.settled(judged, n, a, q, w, tol)
     }
 
-    /// Judges a point that was found elsewhere; `w = A z + q` as computed. O(n^2).
+    /// Judges a point `z >= 0` that was found elsewhere; `w = A z + q` as computed. O(n^2).
     #[inline(always)]
     pub fn verify_point(
         &mut self,
@@ -146,10 +153,11 @@ impl<X: Lane<Number = f64>> Tableau<X> {
         w: &mut [f64],
         tol: f64,
     ) -> Option<Judged> {
-        self.resize(n);
-        for i in 0..n {
-            self.load_row(i, &a[i * n..(i + 1) * n]);
+        if !self.load(n, a) {
+            return None;
         }
+        self.pairs.clear();
+        self.pairs.extend((0..n).filter(|&j| z[j] > 0.0));
         for (x, z) in self.z.iter_mut().zip(z.chunks(WIDTH)) {
             *x = X::from_slice(z);
         }
@@ -167,191 +175,154 @@ impl<X: Lane<Number = f64>> Tableau<X> {
         judged.solved.then_some(judged)
     }
 
-    /// Runs the method on the loaded problem, at most `limit` pivots. O(n^2) a pivot.
+    /// The columns of the row-major `a`. `false` if a number is not finite: the pivots may never come across it.
     #[inline(always)]
-    fn solve(&mut self, limit: usize) -> Stop {
-        let Some(mut row) = self.first_row() else {
-            return Stop::Basis;
-        };
-        let mut driving = Basic::Z0;
-        loop {
-            let left = std::mem::replace(&mut self.basic[row], driving);
-            self.pivots += 1;
-            driving = match left {
-                Basic::Z0 => {
-                    self.exchange(row, None);
-                    return Stop::Basis;
-                }
-                Basic::W(i) => {
-                    self.holds_z[i] = false;
-                    self.exchange(row, Some(i));
-                    Basic::Z(i)
-                }
-                Basic::Z(i) => {
-                    self.holds_z[i] = true;
-                    self.exchange(row, Some(i));
-                    Basic::W(i)
-                }
-            };
-            if self.pivots >= limit {
-                return Stop::Limit;
-            }
-            match self.blocking_row() {
-                Some(blocking) => row = blocking,
-                None => return Stop::Ray,
-            }
-        }
-    }
-
-    /// `w = q + A z + d z_0`, with z_0's column ready to drive; A and q scaled by `D_r` and `D_c` if there is a scaling, of
-    /// moderate exponents.
-    #[inline(always)]
-    fn load(&mut self, n: usize, a: &[f64], q: &[f64], scaling: Option<&Scaling>) {
-        self.resize(n);
-        self.pivots = 0;
-        self.row_factors.clear();
-        self.column_factors.clear();
-        if let Some(scaling) = scaling {
-            self.row_factors.extend(scaling.rows.iter().map(|&r| times_power_of_two(1.0, r)));
-            let factors = scaling.columns.chunks(WIDTH).map(|columns| {
-                let mut factors = X::splat(0.0);
-                columns.iter().enumerate().for_each(|(l, &c)| factors.set(l, times_power_of_two(1.0, c)));
-                factors
-            });
-            self.column_factors.extend(factors);
-        }
-        for i in 0..n {
-            self.load_row(i, &a[i * n..(i + 1) * n]);
-            let padded = i * self.width..(i + 1) * self.width;
-            self.t[padded.clone()].copy_from_slice(&self.a[padded.clone()]);
-            let row_factor = self.row_factors.get(i).copied().unwrap_or(1.0);
-            let f = X::splat(row_factor);
-            for (t, factor) in self.t[padded].iter_mut().zip(&self.column_factors) {
-                *t = t.mul(factor.mul(f));
-            }
-            put(&mut self.rhs, i, q[i] * row_factor);
-            put(&mut self.column, i, spread(i));
-            self.basic[i] = Basic::W(i);
-            self.holds_z[i] = true;
-        }
-    }
-
-    #[inline(always)]
-    fn load_row(&mut self, i: usize, entries: &[f64]) {
-        let row = &mut self.a[i * self.width..(i + 1) * self.width];
-        for (a, entries) in row.iter_mut().zip(entries.chunks(WIDTH)) {
-            *a = X::from_slice(entries);
-        }
-    }
-
-    #[inline(always)]
-    fn resize(&mut self, n: usize) {
+    fn load(&mut self, n: usize, a: &[f64]) -> bool {
         let (width, zero) = (n.div_ceil(WIDTH), X::splat(0.0));
         if n != self.n {
             self.n = n;
             self.width = width;
-            self.a.resize(n * width, zero);
+            self.columns.resize(n * width, zero);
             self.t.resize(n * width, zero);
-            self.sums.resize(n, [zero; 2]);
-            for v in [&mut self.column, &mut self.rhs, &mut self.row, &mut self.ratio, &mut self.z] {
+            for v in [&mut self.covering, &mut self.value, &mut self.column, &mut self.row] {
+                v.clear();
                 v.resize(width, zero);
             }
-            self.basic.resize(n, Basic::Z0);
-            self.holds_z.resize(n, true);
-            for v in [&mut self.column, &mut self.rhs] {
-                v.fill(zero);
+            for v in [&mut self.ratio, &mut self.z] {
+                v.resize(width, zero);
+            }
+            self.sums.resize(width, [zero; 2]);
+            self.pairs.reserve(n);
+            self.place.resize(n, None);
+        }
+        let mut nothing = zero;
+        for block in 0..width {
+            let first = block * WIDTH;
+            let mut rows: [&[f64]; WIDTH] = [&[]; WIDTH];
+            for (l, row) in rows.iter_mut().enumerate() {
+                // Lanes beyond the last row repeat it; they are cleared below.
+                let i = (first + l).min(n - 1);
+                *row = &a[i * n..(i + 1) * n];
+            }
+            let real = X::Mask::from_bits(u32::MAX >> (32 - WIDTH.min(n - first)));
+            for j in (0..n).step_by(BLOCK) {
+                let mut columns = [zero; BLOCK];
+                let count = BLOCK.min(n - j);
+                X::load_columns(&rows.map(|row| &row[j..]), &mut columns[..count]);
+                for (c, column) in columns[..count].iter().enumerate() {
+                    self.columns[(j + c) * width + block] = column.only(real);
+                    nothing = nothing.add_product(*column, zero);
+                }
             }
         }
+        !nothing.eq(zero).not().any()
     }
 
-    /// The row that z_0 enters: the last to become nonnegative. `None` if `q >= 0`.
+    /// Runs the method until `limit` pivots were counted. O(n |a|) a pivot.
     #[inline(always)]
-    fn first_row(&self) -> Option<usize> {
-        let (mut row, mut largest) = (None, 0.0);
-        for i in 0..self.n {
-            let needed = -at(&self.rhs, i) / at(&self.column, i);
-            if needed > largest {
-                (row, largest) = (Some(i), needed);
+    fn solve(&mut self, a: &[f64], q: &[f64], covering: fn(usize) -> f64, limit: usize) -> Stop {
+        let Some(mut missing) = self.start(q, covering) else {
+            return Stop::Basis;
+        };
+        let mut driving = Driving::Z;
+        loop {
+            self.drive(missing, driving);
+            let Some(blocking) = self.blocking_pair(missing) else {
+                return Stop::Ray;
+            };
+            let complement = if self.is_basic(blocking) { Driving::W } else { Driving::Z };
+            self.exchange(a, blocking, missing, driving);
+            self.pivots += 1;
+            if blocking == missing {
+                return Stop::Basis;
+            }
+            if self.pivots >= limit {
+                return Stop::Limit;
+            }
+            (missing, driving) = (blocking, complement);
+        }
+    }
+
+    /// `w = q + A z + d z_0`; z_0 takes the place of the w that becomes nonnegative last. `None` if `q >= 0`.
+    #[inline(always)]
+    fn start(&mut self, q: &[f64], covering: fn(usize) -> f64) -> Option<usize> {
+        self.pairs.clear();
+        self.place.fill(None);
+        let (mut missing, mut largest) = (None, 0.0);
+        for (i, &q) in q.iter().enumerate() {
+            let d = covering(i);
+            put(&mut self.covering, i, d);
+            put(&mut self.value, i, q);
+            if -q / d > largest {
+                (missing, largest) = (Some(i), -q / d);
             }
         }
-        row
+        let missing = missing?;
+        grow(&mut self.value, &self.covering, largest);
+        put(&mut self.value, missing, largest);
+        let row = &mut self.t[..self.width];
+        row.fill(X::splat(0.0));
+        put(row, 0, 1.0 / at(&self.covering, missing));
+        self.pairs.push(missing);
+        self.place[missing] = Some(0);
+        self.pivots += 1;
+        Some(missing)
     }
 
-    /// The driving variable and the basic one of `row` change places. The latter's column goes to the slot of its pair
-    /// and its partner's column, found there, becomes the driving one.
+    /// The column of the driving variable: how the basic ones change as it grows.
     #[inline(always)]
-    fn exchange(&mut self, row: usize, pair: Option<usize>) {
-        match self.width {
-            1 => self.exchange_wide::<1>(row, pair),
-            2 => self.exchange_wide::<2>(row, pair),
-            3 => self.exchange_wide::<3>(row, pair),
-            4 => self.exchange_wide::<4>(row, pair),
-            5 => self.exchange_wide::<5>(row, pair),
-            6 => self.exchange_wide::<6>(row, pair),
-            7 => self.exchange_wide::<7>(row, pair),
-            8 => self.exchange_wide::<8>(row, pair),
-            _ => self.exchange_wide::<0>(row, pair),
+    fn drive(&mut self, missing: usize, driving: Driving) {
+        let (width, m) = (self.width, self.pairs.len());
+        let used = m.div_ceil(WIDTH);
+        let own = &self.columns[missing * width..(missing + 1) * width];
+        let Some(artificial) = self.place[missing] else { return };
+        match driving {
+            Driving::Z => {
+                self.row.fill(X::splat(0.0));
+                for (k, &pair) in self.pairs.iter().enumerate() {
+                    put(&mut self.row, k, at(own, pair));
+                }
+                self.column.copy_from_slice(own);
+            }
+            Driving::W => self.column.fill(X::splat(0.0)),
         }
-    }
-
-    /// [`Self::exchange`] for rows of `W` vectors, `W = 0` for any.
-    #[inline(always)]
-    fn exchange_wide<const W: usize>(&mut self, row: usize, pair: Option<usize>) {
-        let width = if W == 0 { self.width } else { W };
-        let reciprocal = 1.0 / at(&self.column, row);
-        let minus = X::splat(-reciprocal);
-        let new = &mut self.row[..width];
-        for (p, t) in new.iter_mut().zip(&mut self.t[row * width..(row + 1) * width]) {
-            *p = t.mul(minus);
-            *t = X::splat(0.0);
-        }
-        let value = X::splat(-at(&self.rhs, row) * reciprocal);
-        // Adding 1 times the new row to the zeroed old one writes it without a branch.
-        put(&mut self.rhs, row, 0.0);
-        put(&mut self.column, row, 1.0);
-        let noise = X::splat(NOISE);
-        for (r, c) in self.rhs.iter_mut().zip(&self.column) {
-            let sum = r.add_product(*c, value);
-            *r = sum.only(r.abs().mul(noise).lt(sum.abs()));
-        }
-        let mut held = [X::splat(0.0); 8];
-        if W != 0 {
-            held[..W].copy_from_slice(&new[..W]);
-        }
-        let (block, lane) = pair.map_or((0, 0), |j| (j / WIDTH, j % WIDTH));
-        let mut rows = self.t[..self.n * width].chunks_exact_mut(width);
-        for column in &mut self.column {
-            let factors = *column;
-            for (l, t) in rows.by_ref().take(WIDTH).enumerate() {
-                let f = factors.get(l);
-                if f != 0.0 {
-                    let factor = X::splat(f);
-                    if W == 0 {
-                        for (t, p) in t.iter_mut().zip(&*new) {
-                            *t = t.add_product(factor, *p);
-                        }
-                    } else {
-                        for j in 0..W {
-                            t[j] = t[j].add_product(factor, held[j]);
-                        }
+        // By place at first, in ratio: the change of the basic z's and of z_0.
+        for p in 0..m {
+            let row = &self.t[p * width..p * width + used];
+            let change = match driving {
+                Driving::Z => {
+                    let mut sum = X::splat(0.0);
+                    for (t, x) in row.iter().zip(&self.row) {
+                        sum = sum.add_product(*t, *x);
                     }
+                    -sum.sum()
                 }
-                if pair.is_some() {
-                    column.set(l, t[block].get(lane));
-                    t[block].set(lane, f * reciprocal);
+                Driving::W => at(row, artificial),
+            };
+            put(&mut self.ratio, p, change);
+            if change != 0.0 {
+                let pair = self.pairs[p];
+                let source =
+                    if p == artificial { &self.covering[..] } else { &self.columns[pair * width..(pair + 1) * width] };
+                let factor = X::splat(change);
+                for (c, a) in self.column.iter_mut().zip(source) {
+                    *c = c.add_product(factor, *a);
                 }
             }
         }
+        for (p, &pair) in self.pairs.iter().enumerate() {
+            put(&mut self.column, pair, at(&self.ratio, p));
+        }
     }
 
-    /// The first row to reach zero as the driving variable grows.
+    /// The first pair whose basic variable reaches zero as the driving one grows.
     #[inline(always)]
-    fn blocking_row(&mut self) -> Option<usize> {
+    fn blocking_pair(&mut self, missing: usize) -> Option<usize> {
         let (zero, infinity) = (X::splat(0.0), X::splat(f64::INFINITY));
         let largest = self.column.iter().fold(zero, |m, c| m.max(c.abs())).largest();
         let tolerance = X::splat(-PIVOT_TOLERANCE * largest);
         let mut least = infinity;
-        for ((ratio, r), c) in self.ratio.iter_mut().zip(&self.rhs).zip(&self.column) {
+        for ((ratio, r), c) in self.ratio.iter_mut().zip(&self.value).zip(&self.column) {
             *ratio = r.max(zero).div(c.neg()).or_else(c.lt(tolerance), infinity);
             least = ratio.min(least);
         }
@@ -360,44 +331,136 @@ impl<X: Lane<Number = f64>> Tableau<X> {
             return None;
         }
         let bound = X::splat(least * TIE);
-        let (mut row, mut pivot) = (None, 0.0);
+        let (mut pair, mut pivot) = (None, 0.0);
         for (block, ratio) in self.ratio.iter().enumerate() {
             let mut tied = ratio.le(bound).bits();
             while tied != 0 {
                 let i = block * WIDTH + tied.trailing_zeros() as usize;
                 tied &= tied - 1;
-                if self.basic[i] == Basic::Z0 {
+                if i == missing {
                     return Some(i);
                 }
                 let x = at(&self.column, i).abs();
                 if x > pivot {
-                    (row, pivot) = (Some(i), x);
+                    (pair, pivot) = (Some(i), x);
                 }
             }
         }
-        row
+        pair
+    }
+
+    /// The driving variable becomes basic and that of the pair `blocking` leaves.
+    #[inline(always)]
+    fn exchange(&mut self, a: &[f64], blocking: usize, missing: usize, driving: Driving) {
+        let (n, width, m) = (self.n, self.width, self.pairs.len());
+        let Some(artificial) = self.place[missing] else { return };
+        let reciprocal = 1.0 / at(&self.column, blocking);
+        self.row.fill(X::splat(0.0));
+        match self.place[blocking] {
+            Some(p) => self.row.copy_from_slice(&self.t[p * width..(p + 1) * width]),
+            None => {
+                let used = m.div_ceil(WIDTH);
+                for (p, &pair) in self.pairs.iter().enumerate() {
+                    let entry = if p == artificial { at(&self.covering, blocking) } else { a[blocking * n + pair] };
+                    let factor = X::splat(entry);
+                    for (r, t) in self.row.iter_mut().zip(&self.t[p * width..p * width + used]) {
+                        *r = r.add_product(factor, *t);
+                    }
+                }
+            }
+        }
+        let minus = X::splat(-reciprocal);
+        for r in &mut self.row {
+            *r = r.mul(minus);
+        }
+        // Where the column of the variable that leaves, or nothing, is to stand.
+        let column = match (driving, self.place[blocking]) {
+            (Driving::W, _) => Some(artificial),
+            (Driving::Z, None) => Some(m),
+            (Driving::Z, Some(_)) => None,
+        };
+        let used = (m + 1).div_ceil(WIDTH).min(width);
+        for (p, &pair) in self.pairs.iter().enumerate() {
+            let change = at(&self.column, pair);
+            let row = &mut self.t[p * width..p * width + used];
+            if change != 0.0 {
+                let factor = X::splat(change);
+                for (t, r) in row.iter_mut().zip(&self.row) {
+                    *t = t.add_product(factor, *r);
+                }
+            }
+            if let Some(k) = column {
+                put(row, k, change * reciprocal);
+            }
+        }
+        let value = -at(&self.value, blocking) * reciprocal;
+        grow(&mut self.value, &self.column, value);
+        let artificial_value = at(&self.value, missing);
+        put(&mut self.value, blocking, artificial_value);
+        put(&mut self.value, missing, value);
+        self.move_places(blocking, missing, driving, reciprocal);
+    }
+
+    /// z_0 takes the place of the pair `blocking`, in the rows and columns of t too.
+    #[inline(always)]
+    fn move_places(&mut self, blocking: usize, missing: usize, driving: Driving, reciprocal: f64) {
+        let (width, m) = (self.width, self.pairs.len());
+        let Some(artificial) = self.place[missing] else { return };
+        let row = |p: usize| p * width..(p + 1) * width;
+        match (driving, self.place[blocking]) {
+            (Driving::Z, Some(p)) => {
+                self.t.copy_within(row(artificial), p * width);
+                self.t[row(artificial)].copy_from_slice(&self.row);
+            }
+            (Driving::Z, None) => {
+                self.t.copy_within(row(artificial), m * width);
+                put(&mut self.row, m, reciprocal);
+                self.t[row(artificial)].copy_from_slice(&self.row);
+                self.pairs.push(blocking);
+                self.place[blocking] = Some(m);
+            }
+            (Driving::W, None) => {
+                self.pairs[artificial] = blocking;
+                self.place[blocking] = Some(artificial);
+                self.place[missing] = None;
+            }
+            (Driving::W, Some(p)) => {
+                self.t.copy_within(row(artificial), p * width);
+                self.remove(artificial);
+                self.place[missing] = None;
+            }
+        }
+    }
+
+    /// Row and column `p` of t go; the last ones take their places.
+    #[inline(always)]
+    fn remove(&mut self, p: usize) {
+        let (width, last) = (self.width, self.pairs.len() - 1);
+        self.t.copy_within(last * width..(last + 1) * width, p * width);
+        for row in self.t.chunks_exact_mut(width).take(last) {
+            let x = at(row, last);
+            put(row, p, x);
+            put(row, last, 0.0);
+        }
+        if p != last {
+            self.place[self.pairs[last]] = Some(p);
+        }
+        self.pairs.swap_remove(p);
     }
 
     /// Puts the basic z's in place, negative rounding set to zero, and judges them; `w = A z + q` as computed.
     #[inline(always)]
     fn verified(&mut self, q: &[f64], w: &mut [f64], tol: f64) -> Judged {
-        for x in &mut self.z {
-            *x = X::splat(0.0);
-        }
-        for i in 0..self.n {
-            if let Basic::Z(j) = self.basic[i] {
-                put(&mut self.z, j, at(&self.rhs, i).max(0.0));
-            }
-        }
-        for (z, factors) in self.z.iter_mut().zip(&self.column_factors) {
-            *z = z.mul(*factors);
+        self.z.fill(X::splat(0.0));
+        for &j in &self.pairs {
+            put(&mut self.z, j, at(&self.value, j).max(0.0));
         }
         let mut judged = self.judge(q, w, tol);
         for _ in 0..REFINEMENTS {
             if judged.solved || judged.unsettled {
                 break;
             }
-            self.refine(w);
+            self.refine(q, w);
             judged = self.judge(q, w, tol);
         }
         judged
@@ -405,7 +468,8 @@ impl<X: Lane<Number = f64>> Tableau<X> {
 
     #[inline(always)]
     fn judge(&mut self, q: &[f64], w: &mut [f64], tol: f64) -> Judged {
-        verify_one(self.n, self.width, &self.a, q, &self.z, w, &mut self.sums, tol)
+        let point = (&self.columns[..], &self.pairs[..], &self.z[..]);
+        verify_columns(self.n, self.width, point, q, &mut self.sums, w, tol)
     }
 
     /// z_j.
@@ -414,33 +478,49 @@ impl<X: Lane<Number = f64>> Tableau<X> {
         at(&self.z, j)
     }
 
-    /// Whether z_j is basic.
+    /// Whether z_j is basic, or z_0 in its place.
     #[inline(always)]
     pub fn is_basic(&self, j: usize) -> bool {
-        !self.holds_z[j]
+        self.place[j].is_some()
     }
 
-    /// `z_a -= A_aa^-1 w_a`, the inverse read off the final tableau.
+    /// `z_a -= A_aa^-1 w_a`; what is rounding error beside the terms of `A_aa^-1 q_a` becomes zero.
     #[inline(always)]
-    fn refine(&mut self, w: &[f64]) {
-        for i in 0..self.n {
-            if let Basic::Z(j) = self.basic[i] {
-                let row = &self.t[i * self.width..(i + 1) * self.width];
-                let mut step = 0.0;
-                for (k, w) in w.iter().enumerate() {
-                    if self.is_basic(k) {
-                        step += at(row, k) * w * self.row_factors.get(k).unwrap_or(&1.0);
-                    }
-                }
-                if !self.column_factors.is_empty() {
-                    step *= at(&self.column_factors, j);
-                }
-                let (old, new) = (at(&self.z, j), at(&self.z, j) - step);
-                put(&mut self.z, j, if new > CANCELLED * old { new } else { 0.0 });
+    fn refine(&mut self, q: &[f64], w: &[f64]) {
+        let zero = X::splat(0.0);
+        let used = self.pairs.len().div_ceil(WIDTH);
+        self.row.fill(zero);
+        self.ratio.fill(zero);
+        for (k, &pair) in self.pairs.iter().enumerate() {
+            put(&mut self.row, k, w[pair]);
+            put(&mut self.ratio, k, q[pair].abs());
+        }
+        for (p, &j) in self.pairs.iter().enumerate() {
+            let (mut step, mut size) = (zero, zero);
+            let row = &self.t[p * self.width..p * self.width + used];
+            for (t, (w, q)) in row.iter().zip(self.row.iter().zip(&self.ratio)) {
+                step = step.add_product(*t, *w);
+                size = size.add_product(t.abs(), *q);
             }
+            let (old, new) = (at(&self.z, j), at(&self.z, j) - step.sum());
+            let least = (CANCELLED * old).max(ROUNDING * size.sum());
+            put(&mut self.z, j, if new > least { new } else { 0.0 });
         }
     }
 }
+
+/// `v += factor direction`; what cancels is rounding error, and zero.
+#[inline(always)]
+fn grow<X: Lane<Number = f64>>(v: &mut [X], direction: &[X], factor: f64) {
+    let (factor, noise) = (X::splat(factor), X::splat(NOISE));
+    for (r, c) in v.iter_mut().zip(direction) {
+        let sum = r.add_product(*c, factor);
+        *r = sum.only(r.abs().mul(noise).lt(sum.abs()));
+    }
+}
+
+/// Covering vectors, entry by entry, the next one after a ray or too many pivots.
+const COVERINGS: [fn(usize) -> f64; 2] = [spread, |_| 1.0];
 
 /// Entry i of the covering vector: 1 plus the fractional part of `(i + 1)` times the golden ratio.
 #[inline(always)]

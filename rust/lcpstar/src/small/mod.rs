@@ -1,4 +1,4 @@
-//! One small problem at a time, without a single allocation: Lemke's method in a tableau of reused memory, verified by
+//! One small problem at a time, without a single allocation: Lemke's method in reused memory, verified by
 //! the rule of `certify`. `solve` tries it first; the batch runs it and its lanes on whole arrays of problems.
 //!
 //! A time limit is not looked at: the limit on pivots ends a run of order 128 within a few milliseconds.
@@ -9,11 +9,11 @@ pub(crate) mod lane;
 pub(crate) mod lemke;
 pub(crate) mod verify;
 
-use crate::scaling::Scaling;
+use crate::scaling::{Scaling, times_power_of_two};
 #[cfg(target_arch = "x86_64")]
 use avx::{Ymm2, Zmm};
 use lane::{F64x8, Lane};
-use lemke::Tableau;
+use lemke::Basis;
 use multiversion::multiversion;
 use multiversion::target::target_cfg_f;
 use std::cell::RefCell;
@@ -55,6 +55,7 @@ impl TinySolution {
 
 /// What the kernel has to say about a problem.
 #[derive(Clone, Debug)]
+#[allow(clippy::large_enum_variant, reason = "returned once and taken apart: a box would be an allocation")]
 pub enum Answer {
     /// A verified solution.
     Solved(TinySolution),
@@ -89,10 +90,30 @@ pub fn solve_scaled(n: usize, a: &[f64], q: &[f64], scaling: Option<&Scaling>, t
     if n == 0 || n > TINY_ORDER || a.len() != n * n || q.len() != n {
         return Answer::None;
     }
-    if scaling.is_some_and(|s| s.rows.len() != n || s.columns.len() != n || !s.is_moderate()) {
+    let Some(scaling) = scaling else {
+        return dispatch(n, a, q, Task::Solve, tol);
+    };
+    if scaling.rows.len() != n || scaling.columns.len() != n || !scaling.is_moderate() {
         return Answer::None;
     }
-    dispatch(n, a, q, Task::Solve(scaling), tol)
+    let factors = |exponents: &[i32]| exponents.iter().map(|&e| times_power_of_two(1.0, e)).collect::<Vec<f64>>();
+    let (rows, columns) = (factors(&scaling.rows), factors(&scaling.columns));
+    let scaled_a: Vec<f64> = a
+        .chunks_exact(n)
+        .zip(&rows)
+        .flat_map(|(row, r)| row.iter().zip(&columns).map(move |(x, c)| r * x * c))
+        .collect();
+    let scaled_q: Vec<f64> = q.iter().zip(&rows).map(|(q, r)| q * r).collect();
+    match dispatch(n, &scaled_a, &scaled_q, Task::Solve, tol) {
+        Answer::Solved(TinySolution { z, alpha, iterations, .. }) => {
+            let z: Vec<f64> = z.iter().zip(&columns).map(|(z, c)| z * c).collect();
+            match verify_point(n, a, q, &z, tol) {
+                Some(solution) => Answer::Solved(TinySolution { alpha, iterations, ..solution }),
+                None => Answer::Basis { alpha, iterations },
+            }
+        }
+        unsolved => unsolved,
+    }
 }
 
 /// A point that was found elsewhere, `z >= 0` with support `alpha`, verified. O(n^2), otherwise as [`solve_one`].
@@ -110,7 +131,7 @@ pub fn verify_point(n: usize, a: &[f64], q: &[f64], z: &[f64], tol: f64) -> Opti
 /// What to do with the problem.
 #[derive(Clone, Copy)]
 enum Task<'a> {
-    Solve(Option<&'a Scaling>),
+    Solve,
     Verify(&'a [f64]),
 }
 
@@ -119,23 +140,23 @@ fn dispatch(n: usize, a: &[f64], q: &[f64], task: Task<'_>, tol: f64) -> Answer 
     #[cfg(target_arch = "x86_64")]
     {
         if target_cfg_f!(target_feature = "avx512f") {
-            thread_local!(static TABLEAU: RefCell<Tableau<Zmm>> = RefCell::default());
-            return solve_in(&TABLEAU, n, a, q, task, tol);
+            thread_local!(static BASIS: RefCell<Basis<Zmm>> = RefCell::default());
+            return solve_in(&BASIS, n, a, q, task, tol);
         }
         if target_cfg_f!(target_feature = "avx2") {
-            thread_local!(static TABLEAU: RefCell<Tableau<Ymm2>> = RefCell::default());
-            return solve_in(&TABLEAU, n, a, q, task, tol);
+            thread_local!(static BASIS: RefCell<Basis<Ymm2>> = RefCell::default());
+            return solve_in(&BASIS, n, a, q, task, tol);
         }
     }
-    thread_local!(static TABLEAU: RefCell<Tableau<F64x8<{ cfg!(target_arch = "aarch64") }>>> = RefCell::default());
-    solve_in(&TABLEAU, n, a, q, task, tol)
+    thread_local!(static BASIS: RefCell<Basis<F64x8<{ cfg!(target_arch = "aarch64") }>>> = RefCell::default());
+    solve_in(&BASIS, n, a, q, task, tol)
 }
 
-/// The tableau leaves its home for the time of the solve: code inside a closure would not be compiled for the
+/// The memory leaves its home for the time of the solve: code inside a closure would not be compiled for the
 /// instruction set of `dispatch`.
 #[inline(always)]
 fn solve_in<X: Lane<Number = f64>>(
-    home: &'static LocalKey<RefCell<Tableau<X>>>,
+    home: &'static LocalKey<RefCell<Basis<X>>>,
     n: usize,
     a: &[f64],
     q: &[f64],
@@ -143,34 +164,34 @@ fn solve_in<X: Lane<Number = f64>>(
     tol: f64,
 ) -> Answer {
     let (mut z, mut w) = ([0.0; TINY_ORDER], [0.0; TINY_ORDER]);
-    let mut tableau = home.take();
+    let mut lemke = home.take();
     let judged = match task {
-        Task::Solve(scaling) => tableau.solve_and_verify(n, a, q, scaling, &mut w[..n], tol),
-        Task::Verify(z) => tableau.verify_point(n, a, q, z, &mut w[..n], tol),
+        Task::Solve => lemke.solve_and_verify(n, a, q, &mut w[..n], tol),
+        Task::Verify(z) => lemke.verify_point(n, a, q, z, &mut w[..n], tol),
     };
-    let basis = || (0..n).fold(0_u128, |mask, i| mask | u128::from(tableau.is_basic(i)) << i);
+    let basis = || (0..n).fold(0_u128, |mask, i| mask | u128::from(lemke.is_basic(i)) << i);
     let alpha = match task {
-        Task::Solve(_) => basis(),
+        Task::Solve => basis(),
         Task::Verify(z) => z.iter().enumerate().fold(0_u128, |mask, (i, &z)| mask | u128::from(z > 0.0) << i),
     };
     let Some(judged) = judged else {
-        let found = matches!(task, Task::Solve(_)) && tableau.found_basis;
-        let iterations = tableau.pivots;
-        home.set(tableau);
+        let found = matches!(task, Task::Solve) && lemke.found_basis;
+        let iterations = lemke.pivots;
+        home.set(lemke);
         return if found { Answer::Basis { alpha, iterations } } else { Answer::None };
     };
     for (i, z) in z[..n].iter_mut().enumerate() {
-        *z = tableau.z(i);
+        *z = lemke.z(i);
     }
     let solution = TinySolution {
         n,
         z,
         w,
         alpha,
-        iterations: if matches!(task, Task::Solve(_)) { tableau.pivots } else { 0 },
+        iterations: if matches!(task, Task::Solve) { lemke.pivots } else { 0 },
         residual: judged.residual,
         natural_residual: judged.natural_residual,
     };
-    home.set(tableau);
+    home.set(lemke);
     Answer::Solved(solution)
 }

@@ -13,7 +13,7 @@
 //! and no row below `1/K`, which the other sweeps undo by halves. So with two bits for its rounding `2^(r_i + s) max|q| <=
 //! 16 K^3`, and `16 K^3 max b_i <= 1e-6 max|q|` is enough. Beyond that the scaling is needed: [`is_small_when_equilibrated`].
 
-use super::lane::{Lane, Mask};
+use super::lane::{BLOCK, Lane, Mask};
 use crate::problem::Lcp;
 use crate::scaling::{Scaling, times_power_of_two};
 
@@ -45,16 +45,7 @@ pub fn verify<X: Lane, const N: usize>(n: usize, a: &[X], q: &[X], z: &[X], w: &
     for i in 0..n {
         largest_q = q[i].abs().max(largest_q);
     }
-    let mut rows = Rows {
-        rounding: X::splat(0.5 * (n as f64 + 2.0) * X::EPS * 1.01),
-        allowed: largest_q.mul(X::splat(9.99 * tol)),
-        largest_m: largest_q.mul(X::splat(LARGEST)),
-        solved: X::Mask::ALL,
-        small: X::Mask::ALL,
-        empty: X::Mask::NONE,
-        ratio: X::splat(0.0),
-        natural: X::splat(0.0),
-    };
+    let mut rows = Rows::new(n, largest_q, tol);
     let mut i = 0;
     while i + 4 <= n {
         let mut m = [q[i].abs(), q[i + 1].abs(), q[i + 2].abs(), q[i + 3].abs()];
@@ -166,6 +157,20 @@ struct Rows<X: Lane> {
 }
 
 impl<X: Lane> Rows<X> {
+    #[inline(always)]
+    fn new(n: usize, largest_q: X, tol: f64) -> Self {
+        Self {
+            rounding: X::splat(0.5 * (n as f64 + 2.0) * X::EPS * 1.01),
+            allowed: largest_q.mul(X::splat(9.99 * tol)),
+            largest_m: largest_q.mul(X::splat(LARGEST)),
+            solved: X::Mask::ALL,
+            small: X::Mask::ALL,
+            empty: X::Mask::NONE,
+            ratio: X::splat(0.0),
+            natural: X::splat(0.0),
+        }
+    }
+
     /// Row i: `q_i`, `z_i`, `w_i` and `m_i`. Not a closure: those are not compiled for the instruction set of their caller.
     #[inline(always)]
     fn judge(&mut self, q: X, z: X, w: X, m: X) {
@@ -183,67 +188,76 @@ impl<X: Lane> Rows<X> {
     }
 }
 
-/// [`verify`] for one problem in double precision, vectorised along the rows of the padded matrix `a`, `width` vectors
-/// a row; also writes `w = A z + q`. O(n^2).
+/// [`verify`] for one problem in double precision: the padded columns of A, `width` vectors each, the places where z may
+/// be positive, and z; also writes `w = A z + q`. O(n) for each of these places.
 #[inline(always)]
-pub fn verify_one<X: Lane<Number = f64>>(
+pub fn verify_columns<X: Lane<Number = f64>>(
     n: usize,
     width: usize,
-    a: &[X],
+    (columns, support, z): (&[X], &[usize], &[X]),
     q: &[f64],
-    z: &[X],
-    w: &mut [f64],
     sums: &mut [[X; 2]],
+    w: &mut [f64],
     tol: f64,
 ) -> Judged {
-    for (sums, row) in sums.iter_mut().zip(a.chunks_exact(width)) {
-        let mut sum = [X::splat(0.0); 2];
-        for (a, z) in row.iter().zip(z) {
-            sum[0] = sum[0].add_product(*a, *z);
-            sum[1] = sum[1].add_product(a.abs(), *z);
+    let zero = X::splat(0.0);
+    let mut largest_q = zero;
+    for (sums, q) in sums.iter_mut().zip(q.chunks(BLOCK)) {
+        let q = X::from_slice(q);
+        *sums = [q, q.abs()];
+        largest_q = q.abs().max(largest_q);
+    }
+    for &j in support {
+        let factor = X::splat(z[j / BLOCK].get(j % BLOCK));
+        for (sums, a) in sums.iter_mut().zip(&columns[j * width..(j + 1) * width]) {
+            *sums = [sums[0].add_product(*a, factor), sums[1].add_product(a.abs(), factor)];
         }
-        *sums = sum;
     }
-    let rounding = 0.5 * (n as f64 + 2.0) * f64::EPSILON * 1.01;
-    let largest_q = q.iter().fold(0.0, |m: f64, x| if x.abs() > m { x.abs() } else { m });
-    let (allowed, largest_m) = (9.99 * tol * largest_q, LARGEST * largest_q);
-    let (mut solved, mut small, mut ratio, mut natural) = (true, true, 0.0_f64, 0.0_f64);
-    for i in 0..n {
-        let (wi, m) = (q[i] + sums[i][0].sum(), q[i].abs() + sums[i][1].sum());
-        let zi = z[i / X::LANES].get(i % X::LANES);
-        w[i] = wi;
-        let e = rounding * m;
-        let b = match (m > 0.0, zi > 0.0) {
-            (false, _) => 0.0,
-            (true, false) => (e - wi).max(0.0),
-            (true, true) => wi.abs() + e,
-        };
-        let terms = || a[i * width..(i + 1) * width].iter().zip(z).any(|(a, z)| is_term(*a, *z));
-        let in_range = if m == 0.0 { !terms() } else { MAGNITUDES.contains(&m) };
-        solved &= in_range && zi >= 0.0 && b <= allowed + 7.9 * f64::EPSILON * m.min(largest_m);
-        small &= b <= PART_OF_Q * q[i].abs();
-        ratio = ratio.max(b / m.max(MAGNITUDES.start));
-        natural = natural.max(b);
+    let largest_q = largest_q.largest();
+    let mut rows = Rows::<X>::new(n, X::splat(largest_q), tol);
+    let padded = sums.iter().zip(z);
+    for (((sums, z), q), w) in padded.zip(q.chunks(BLOCK)).zip(w.chunks_mut(BLOCK)) {
+        rows.judge(X::from_slice(q), *z, sums[0], sums[1]);
+        for (l, w) in w.iter_mut().enumerate() {
+            *w = sums[0].get(l);
+        }
     }
+    let (ratio, natural) = (rows.ratio.largest(), rows.natural.largest());
     let residual = (2.0 * n as f64 + 1.0) * ratio;
-    solved &= residual <= 0.999 * tol;
+    let mut solved = !rows.solved.not().any() && residual <= 0.999 * tol;
+    if solved && rows.empty.any() {
+        solved = !something_lost(width, columns, support, z, sums);
+    }
+    let mut small = !rows.small.not().any();
     if solved && !small {
-        small = natural * growth_of_one(n, width, a) <= absolute(tol) * largest_q;
+        small = natural * growth_of_one(n, width, columns) <= absolute(tol) * largest_q;
     }
     Judged { solved: solved && small, unsettled: solved && !small, residual, natural_residual: natural }
 }
 
-/// Whether a lane of `a z` is not zero, though it may underflow.
+/// Whether a row with `m_i = 0` has a product that underflowed.
 #[inline(always)]
-fn is_term<X: Lane>(a: X, z: X) -> bool {
+fn something_lost<X: Lane<Number = f64>>(
+    width: usize,
+    columns: &[X],
+    support: &[usize],
+    z: &[X],
+    sums: &[[X; 2]],
+) -> bool {
     let zero = X::splat(0.0);
-    zero.lt(a.abs()).and(zero.lt(z)).any()
+    let mut lost = X::Mask::NONE;
+    for &j in support.iter().filter(|&&j| z[j / BLOCK].get(j % BLOCK) > 0.0) {
+        for (sums, a) in sums.iter().zip(&columns[j * width..(j + 1) * width]) {
+            lost = lost.or(zero.lt(a.abs()).and(sums[1].eq(zero)));
+        }
+    }
+    lost.any()
 }
 
 /// Vectors per row up to which the columns are looked at.
 const WIDEST: usize = 32;
 
-/// [`growth`] for one problem in padded rows.
+/// [`growth`] for one problem in padded rows or columns.
 #[inline(always)]
 fn growth_of_one<X: Lane<Number = f64>>(n: usize, width: usize, a: &[X]) -> f64 {
     if width > WIDEST {
@@ -268,7 +282,7 @@ fn growth_of_one<X: Lane<Number = f64>>(n: usize, width: usize, a: &[X]) -> f64 
     16.0 * most.max(1.0 / least).powi(3)
 }
 
-/// What [`verify_one`] found.
+/// What [`verify_columns`] found.
 #[derive(Clone, Copy, Debug)]
 pub struct Judged {
     /// Whether the point solves the problem.

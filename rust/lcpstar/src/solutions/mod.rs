@@ -105,16 +105,13 @@ mod tests {
     #[test]
     fn vertices_agree_with_all_bases() {
         use crate::exact::proof::{ProofOutcome, prove_solution};
-        let mut state = 99u64;
-        let mut draw = |m: u64| {
-            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-            ((state >> 33) % m) as f64
-        };
+        let mut rng = fastrand::Rng::with_seed(99);
+        let mut draw = |m: u32| f64::from(rng.u32(..m));
         for trial in 0..120 {
             let n = 2 + trial % 4;
             let span = [7, 1000][trial % 2];
-            let a: Vec<f64> = (0..n * n).map(|_| draw(span) - (span / 2) as f64).collect();
-            let q: Vec<f64> = (0..n).map(|_| draw(span) - (span / 2) as f64).collect();
+            let a: Vec<f64> = (0..n * n).map(|_| draw(span) - f64::from(span / 2)).collect();
+            let q: Vec<f64> = (0..n).map(|_| draw(span) - f64::from(span / 2)).collect();
             let lcp = Lcp::new(n, a.clone(), q.clone()).expect("valid");
             let faces = all(n, &a, &q);
             let inside = |z: &RationalVec| {
