@@ -108,7 +108,9 @@ impl Search<'_> {
                 }
             }
             let sum: f64 = (0..n).map(|i| weights[i] * z[i].min(w[i])).sum();
-            if sum >= last * (1.0 - 1e-12) {
+            // Rounding may make the sum negative.
+            let falls = last == f64::INFINITY || sum < last - 1e-12 * last.abs();
+            if !falls {
                 return Ok(None);
             }
             last = sum;
