@@ -253,7 +253,9 @@ def test_time_limit_leaves_the_verdict_open_and_says_how_far_it_got():
 
 def test_control_c_stops_a_search():
     code = (
-        "import numpy as np, lcpstar; print('go', flush=True)\n"
+        "import signal, numpy as np, lcpstar\n"
+        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"  # a shell's background jobs ignore it
+        "print('go', flush=True)\n"
         "lcpstar.is_semimonotone(np.triu(np.full((30, 30), 7), 1) + np.eye(30))"
     )
     process = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.PIPE)

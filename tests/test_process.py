@@ -43,8 +43,9 @@ def test_other_threads_run_during_a_solve():
 
 def test_ctrl_c_stops_a_long_solve():
     script = """
-        import numpy as np, lcpstar
+        import signal, numpy as np, lcpstar
         from lcpstar.problems import murty
+        signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background jobs ignore it
         n = 40
         A, q = murty(n)
         print("ready", flush=True)
