@@ -128,7 +128,9 @@ fn method(bytes: &mut Bytes<'_>, n: usize) -> Method {
         }
         Method::BlockPivoting(_) => {
             let alpha = bytes.flag().then(|| (0..bytes.below(8)).map(|_| bytes.below(42)).collect());
-            Method::BlockPivoting(block_pivoting::Settings { patience: bytes.below(9), alpha })
+            let patience = bytes.below(9);
+            let shift = if bytes.flag() { 1e-10 } else { 0.0 };
+            Method::BlockPivoting(block_pivoting::Settings { patience, alpha, murty: bytes.flag(), shift })
         }
         Method::InteriorPoint(_) => Method::InteriorPoint(interior_point::Settings {
             finish: bytes.flag(),
@@ -337,7 +339,7 @@ fn run_batch(
     let (mut codes, mut alpha) = (vec![0; count], vec![0; count]);
     let finished = solve_batch(
         problems,
-        &lcpstar::batch::Settings { method, tol, threads, guess, interrupted: None },
+        &lcpstar::batch::Settings { method, tol, threads, guess, polish: false, interrupted: None },
         Output {
             z: &mut out.z,
             w: &mut out.w,

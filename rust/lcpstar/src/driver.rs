@@ -2,6 +2,7 @@
 
 mod anytime;
 mod approximate;
+pub(crate) mod doubt;
 mod pieces;
 mod polish;
 mod portfolio;
@@ -197,7 +198,11 @@ pub fn solve_at_length(lcp: &Lcp, settings: &Settings, control: &Control<'_>) ->
             polish::polished(&problem, &solution, settings.tol, control).unwrap_or(solution)
         }
     };
+    let is_auto = matches!(settings.method, Method::Auto);
     Ok(match settings.certify {
+        Certify::Float if is_auto && doubt::hides_q(lcp, &solution) => {
+            prove::or_withdrawn(&problem, solution, settings.tol, control)
+        }
         Certify::Float => solution,
         Certify::Exact => prove::prove(&problem, solution, settings.tol, control),
     })
@@ -432,7 +437,7 @@ fn warm(problem: &Equilibrated<'_>, settings: &Settings) -> Option<Solution> {
     [basic, given].into_iter().flatten().find_map(|(z, alpha)| {
         let candidate = Candidate { alpha, ..Candidate::point(z, crate::Termination::ComplementaryBasis, 0) };
         let solution = certify(problem, candidate, "warm_start", settings.tol);
-        (solution.status == crate::Status::Solved).then_some(solution)
+        (solution.status == crate::Status::Solved && !doubt::misses_q(problem.original, &solution)).then_some(solution)
     })
 }
 

@@ -4,7 +4,7 @@ use super::io::{Guess, Output, Problems, Settings};
 use super::lanes::Lanes;
 use crate::certify::certify;
 use crate::control::Control;
-use crate::driver;
+use crate::driver::{self, doubt};
 use crate::error::{LcpError, Result};
 use crate::problem::Lcp;
 use crate::scaling::Equilibrated;
@@ -217,7 +217,8 @@ impl<X: Lane<Number = f64>> Worker<X> {
 }
 
 impl<X: Lane<Number = f64>> Worker<X> {
-    /// A basis that Lemke's method found and could not verify row by row, judged on the equilibrated problem.
+    /// A basis that Lemke's method found and could not verify row by row, judged on the equilibrated problem; the general
+    /// solver is asked where there is doubt.
     fn unverified_point(&self, tried: bool, lcp: &Lcp, tol: f64) -> Option<Solution> {
         if !tried || !self.basis.found_basis {
             return None;
@@ -228,7 +229,7 @@ impl<X: Lane<Number = f64>> Worker<X> {
         let point =
             Candidate::point(problem.scaling.z_from_caller(&z), Termination::ComplementaryBasis, self.basis.pivots);
         let solution = certify(&problem, Candidate { alpha: Some(alpha), ..point }, METHODS[usize::from(LEMKE)], tol);
-        (solution.status == Status::Solved).then_some(solution)
+        (solution.status == Status::Solved && !doubt::misses_q(lcp, &solution)).then_some(solution)
     }
 }
 

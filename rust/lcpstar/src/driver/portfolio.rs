@@ -3,7 +3,7 @@
 //! Deterministic; the first member whose point is certified (solved, or infeasible with a checked Farkas vector) answers
 //! and is named in the result. A member that fails costs its pivot budget, never the answer.
 
-use super::{Certify, Settings, polish, prove, support, with_limit};
+use super::{Certify, Settings, polish, support, with_limit};
 use crate::certify::certify;
 use crate::control::Control;
 use crate::linalg::dd::Dd;
@@ -12,7 +12,6 @@ use crate::methods::{
     principal_pivoting as criss_cross,
 };
 use crate::problem::Lcp;
-use crate::residual::slack;
 use crate::scaling::Equilibrated;
 use crate::solution::{Candidate, Solution};
 use crate::status::{Status, Termination};
@@ -161,24 +160,8 @@ pub(super) fn auto(problem: &Equilibrated<'_>, settings: &Settings, control: &Co
             }
         }
     }
-    let solution = last_resorts(race, settings);
-    if solution.status == Status::Solved && settings.certify == Certify::Float && is_doubtful(problem, &solution) {
-        return prove::or_withdrawn(problem, solution, settings.tol, control);
-    }
-    solution
+    last_resorts(race, settings)
 }
-
-/// Whether a solution that only the last resorts found should be proved exactly or withdrawn: where q_i hardly shows beside
-/// the terms of its row, z may solve LCP(0, A) and not this problem. A proof is cheap beside the attempts that failed.
-fn is_doubtful(problem: &Equilibrated<'_>, solution: &Solution) -> bool {
-    let lcp = problem.original;
-    let magnitudes = slack(lcp, &solution.z).1;
-    lcp.n() <= DOUBTED_UP_TO && lcp.q().iter().zip(magnitudes).any(|(&q, m)| q != 0.0 && q.abs() < HARDLY_SHOWS * m)
-}
-
-/// Largest order at which [`is_doubtful`] looks.
-pub(super) const DOUBTED_UP_TO: usize = 16;
-const HARDLY_SHOWS: f64 = 1e-6;
 
 /// What [`auto`] tries where A has no structure that helps: Lemke and its restarts, the interior point method, successive
 /// linear programmes, all index sets.

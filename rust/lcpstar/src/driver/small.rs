@@ -2,8 +2,7 @@
 
 use super::anytime::LOOSE;
 use super::pieces::{self, subproblem};
-use super::portfolio::DOUBTED_UP_TO;
-use super::{Certify, Method, Settings};
+use super::{Certify, Method, Settings, doubt};
 use crate::certify::certify;
 use crate::control::Control;
 use crate::linalg::kernels;
@@ -64,11 +63,8 @@ pub(super) fn solve_part(lcp: &Lcp, settings: &Settings, control: &Control<'_>) 
     let scaling = (n > SCALED_FROM && is_unbalanced(lcp)).then(|| Scaling::new(lcp));
     match solve_scaled(n, lcp.a(), lcp.q(), scaling.as_ref(), settings.tol) {
         Answer::Solved(answer) => Some(solved(&answer)),
-        // Smaller problems are left to the portfolio, which doubts a point that `certify` alone has accepted.
-        Answer::Basis { alpha, iterations } if n > DOUBTED_UP_TO => {
-            from_basis(lcp, scaling, alpha, iterations, settings.tol)
-        }
-        Answer::Basis { .. } | Answer::None => None,
+        Answer::Basis { alpha, iterations } => from_basis(lcp, scaling, alpha, iterations, settings.tol),
+        Answer::None => None,
     }
 }
 
@@ -100,7 +96,7 @@ fn from_basis(lcp: &Lcp, scaling: Option<Scaling>, mask: u128, iterations: usize
     let problem = Equilibrated::with(lcp, scaling.unwrap_or_else(|| Scaling::new(lcp)));
     let point = Candidate::point(basic_point(&problem.lcp, &alpha)?, Termination::ComplementaryBasis, iterations);
     let solution = certify(&problem, Candidate { alpha: Some(alpha), ..point }, "lemke_small", tol);
-    (solution.status == Status::Solved).then_some(solution)
+    (solution.status == Status::Solved && !doubt::misses_q(lcp, &solution)).then_some(solution)
 }
 
 /// Every part by the kernel, the whole verified.
