@@ -266,6 +266,156 @@ def test_a_ray_is_checked():
         assert not verify(A, q, sol), broken
 
 
+def claim(status, n=1, *, z=None, w=None, alpha=(), certificate=None, ray=None):
+    """An answer as `verify` reads it; the point z = 0, w = 0 with A = 0 and q = 0 unless said otherwise."""
+    z = np.zeros(n) if z is None else np.array(z, float)
+    w = np.zeros(n) if w is None else np.array(w, float)
+    natural = float(np.max(np.abs(np.minimum(z, w)), initial=0.0))
+    return SimpleNamespace(
+        z=z, w=w, status=status, residual=natural, natural_residual=natural, alpha=list(alpha), certificate=certificate,
+        ray=ray,
+    )  # fmt: skip
+
+
+def failed(A, q, sol, **options):
+    report = verify(np.array(A, float), np.array(q, float), sol, **options)
+    assert not report.exact or report
+    return {check.name for check in report.failures}
+
+
+@pytest.mark.parametrize("mode", ["float", "exact", "extreme"])
+def test_each_statement_about_a_farkas_vector_is_checked(mode):
+    unit = 1e200 if mode == "extreme" else 1.0  # beyond 1e150 the check is in fractions
+
+    def broken(A, q, y):
+        certificate = Certificate(
+            "infeasible", exact=mode == "exact", y=[Fraction(v) for v in y] if mode == "exact" else np.array(y, float)
+        )
+        return failed([[unit * A]], [unit * q], claim("infeasible", w=[unit * q], certificate=certificate), exact=False)
+
+    columns = "exact A'y <= 0" if mode == "exact" else "A'y <= 0 up to rounding"
+    prefix = "exact " if mode == "exact" else ""
+    assert broken(-1, -1, [1]) == set()
+    assert broken(1, -1, [1]) == {columns}
+    assert broken(1, 1, [-1]) == {prefix + "y >= 0"}
+    assert broken(-1, 0, [1]) == {prefix + "q'y < 0"}
+    assert broken(-1, 1, [1]) == {prefix + "q'y < 0"}
+    if mode != "exact":
+        assert broken(-1, -1, [np.nan])
+        assert broken(-1, -1, [np.inf])
+
+
+def test_each_statement_about_a_point_is_checked():
+    assert failed([[1]], [1], claim("solved", w=[1])) == set()
+    assert failed([[1]], [1], claim("solved", z=[-1e-12], w=[1 - 1e-12])) == {"z >= 0"}
+    assert failed([[1]], [-1], claim("solved", z=[1 + 1e-7], w=[1e-7])) == {
+        "|min(z, w)| is small in every row",
+        "residual <= tol",
+    }
+    assert failed([[1, 0], [0, 1e-12]], [-1, -1e-12], claim("solved", 2, z=[1, 0], w=[0, -1e-12])) == {
+        "every row holds to its own numbers"
+    }
+    assert failed(np.zeros((2, 2)), [0, 0], claim("solved", 2, alpha=[0, 0])) == {"alpha is an index set"}
+
+
+@pytest.mark.parametrize("status", ["numerical_breakdown", "max_iterations", "time_limit"])
+def test_each_statement_about_an_exact_solution_is_checked_whatever_the_status(status):
+    def broken(A, q, z, alpha):
+        certificate = Certificate("solution", exact=True, alpha=alpha, z=z)
+        return failed([[A]], [q], claim(status, w=[q], certificate=certificate))
+
+    one = Fraction(1)
+    assert broken(1, -1, [one], [0]) == set()
+    assert broken(1, 1, [-one], [0]) == {"exact z >= 0"}
+    assert broken(1, -1, [0 * one], []) == {"exact w = A z + q >= 0"}
+    assert broken(0, 1, [one], []) == {"exact z'w = 0", "w = 0 on alpha, z = 0 outside"}
+    assert broken(1, 1, [0 * one], [0]) == {"w = 0 on alpha, z = 0 outside"}
+    assert broken(1, -1, [one], []) == {"w = 0 on alpha, z = 0 outside"}
+    for z in ([1.0], [one, one], None):
+        assert broken(1, -1, z, [0]) == {"the certificate holds n exact numbers"}
+    assert broken(1, -1, [one], [0]) == set()
+    assert failed([[1]], [1], claim(status, w=[1], certificate=Certificate("hearsay", exact=True)))
+
+
+def test_the_rounded_point_is_that_of_the_certificate():
+    certificate = Certificate("solution", exact=True, alpha=[0, 1], z=[Fraction(1), Fraction(1)])
+    zero = np.zeros((2, 2))
+    assert failed(zero, [0, 0], claim("solved", 2, z=[1, 1], certificate=certificate)) == set()
+    assert failed(zero, [0, 0], claim("solved", 2, z=[1, 2], certificate=certificate)) == {
+        "z is the exact solution rounded"
+    }
+
+
+def test_each_statement_about_a_basis_is_checked():
+    assert failed([[1]], [1], claim("solved", w=[1], alpha=[0]), exact=True) == {"exact z >= 0 at the basis alpha"}
+    assert failed([[0]], [0], claim("solved", alpha=[0]), exact=True) == {"A[alpha, alpha] is not singular"}
+    assert failed([[1, 1], [1, 1]], [0, 0], claim("solved", 2, alpha=[0, 1]), exact=True) == {
+        "A[alpha, alpha] is not singular"
+    }
+
+
+@pytest.mark.parametrize("transposed", [False, True])
+def test_each_statement_about_a_vector_that_refutes_sufficiency_is_checked(transposed):
+    name = "(A' x)" if transposed else "(A x)"
+
+    def broken(A, x):
+        x = [Fraction(v) for v in x]
+        certificate = Certificate("not_sufficient", exact=True, **{"y" if transposed else "z": x})
+        A = np.array(A, float).T if transposed else np.array(A, float)
+        return failed(A, [1, 1], claim("numerical_breakdown", 2, w=[1, 1], certificate=certificate))
+
+    assert broken([[0, 1], [0, 0]], [1, -1]) == set()
+    assert broken([[0, 0], [1, 0]], [1, -1]) == set()
+    assert broken([[-1, 0], [0, 1]], [1, 1]) == {f"exact x_i {name}_i <= 0 for all i"}
+    assert broken([[0, 1], [-1, 0]], [1, 0]) == {f"exact x_i {name}_i < 0 for some i"}
+    assert broken([[0, 1], [0, 0]], [1]) == {"the refuting vector has n entries"}
+
+
+def ray_claim(A, q, certificate=None, **parts):
+    n = len(q)
+    given = {"z": np.zeros(n), "z0": 1.0, "z_hat": np.eye(n)[0], "z0_hat": 0.0, "d": np.ones(n), **parts}
+    given = {name: np.array(x, float) if np.ndim(x) else x for name, x in given.items()}
+    w_hat = np.array(A, float) @ given["z_hat"] + given["d"][:n] * given["z0_hat"]
+    ray = Ray(**{"w_hat": w_hat, **given})
+    return failed(A, q, claim("secondary_ray", n, w=q, certificate=certificate, ray=ray))
+
+
+def test_each_statement_about_a_ray_is_checked():
+    zero = np.zeros((2, 2))
+    signs = "z_hat >= 0, not zero, z0_hat >= 0"
+    start = "z >= 0, z0 >= 0 where the ray starts"
+    assert ray_claim(zero, [-1, -1]) == set()
+    assert ray_claim(zero, [-1, -1], z_hat=[1, -1]) == {signs}
+    assert ray_claim(zero, [-1, -1], z_hat=[0, 0]) == {signs}
+    assert ray_claim([[1]], [-1], z0_hat=-1.0) == {signs}
+    assert ray_claim([[0, 0], [-1, 0]], [-1, -1]) == {"w_hat >= 0"}
+    assert ray_claim([[1]], [-1]) == {"z_hat'w_hat = 0"}
+    assert ray_claim(zero, [-1, -1], w_hat=[0, 1]) == {"w_hat = A z_hat + d z0_hat"}
+    assert ray_claim(zero, [-1, -1], z0=0.5) == {"A z + q + d z0 >= 0 where the ray starts"}
+    assert ray_claim(zero, [-1, -1], z=[-1, 0]) == {start}
+    assert ray_claim(zero, [1, 1], z0=-1.0) == {start}
+    assert ray_claim(zero, [-1, -1], d=[1, 1, 1])
+    assert failed([[0]], [-1], claim("secondary_ray", w=[-1])) == {"the status comes with its ray"}
+
+
+def test_each_statement_about_an_exact_ray_is_checked():
+    def broken(A, z, q=None, **parts):
+        q = [-1] * len(A) if q is None else q
+        names = ray_claim(A, q, Certificate("ray", exact=True, z=[Fraction(x) for x in z]), **parts)
+        return {name for name in names if name.startswith(("exact", "the certificate"))}
+
+    zero = np.zeros((2, 2))
+    assert broken(zero, [1, 0]) == set()
+    assert broken([[-1]], [1]) == set()  # z0_hat = 1
+    assert broken(zero, [1, -1]) == {"exact z_hat >= 0, not zero, z0_hat >= 0"}
+    assert broken(zero, [0, 0]) == {"exact z_hat >= 0, not zero, z0_hat >= 0", "exact w_hat = A z_hat + d z0_hat >= 0"}
+    assert broken([[1]], [1]) == {"exact z_hat >= 0, not zero, z0_hat >= 0"}
+    assert broken([[0, 0], [-1, 0]], [1, 0]) == {"exact w_hat = A z_hat + d z0_hat >= 0"}
+    assert broken([[0, 0], [1, 0]], [1, 1]) == {"exact z_hat'w_hat = 0"}
+    assert broken(zero, [1]) == broken(zero, [1, 0], d=[0, 1])
+    assert len(broken(zero, [1])) == 1
+
+
 def test_the_problem_itself_must_be_valid():
     sol = lcpstar.solve(A2, Q2)
     with pytest.raises(lcpstar.errors.NotFiniteError, match="nan"):

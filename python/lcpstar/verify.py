@@ -103,6 +103,7 @@ def verify(A: ArrayLike, q: ArrayLike, sol: _Answer, exact: bool = False, tol: f
     where `z_i > 0`, `w_i >= -sqrt(tol) m_i` elsewhere, `m = |A||z| + |q|`, up to rounding.
     "infeasible" means `y >= 0, A'y <= 0, q'y < 0`, up to rounding unless exact; then no z >= 0 has A z + q >= 0.
     A certificate "not_sufficient" is checked in rational numbers: x_i (A x)_i <= 0 for all i, < 0 for some i (or A').
+    So is any exact certificate, whatever the status beside it.
     A ray must satisfy `w_hat = A z_hat + d z0_hat >= 0`, `z_hat >= 0`, `z_hat != 0`, `z_hat'w_hat = 0`.
 
     Examples
@@ -121,17 +122,17 @@ def verify(A: ArrayLike, q: ArrayLike, sol: _Answer, exact: bool = False, tol: f
         if sol.status == "solved":
             checks += _solved(problem, sol, tol)
             if exact_certificate:
-                checks += _exact_solution(problem, certificate.z, certificate.alpha, sol.z)
+                checks += [*_exact_solution(problem, certificate), _rounded(certificate.z, sol.z)]
             elif exact:
                 checks += _exact_basis(problem, list(sol.alpha))
             proved = exact or exact_certificate
         elif sol.status == "infeasible":
             proved = exact or exact_certificate
             checks += _farkas(problem, certificate, proved)
-        elif sol.status == "secondary_ray" and sol.ray is not None:
-            checks += _ray(problem, sol.ray)
-        if certificate is not None and certificate.kind == "not_sufficient":
-            checks += _not_sufficient(problem, certificate)
+        elif sol.status == "secondary_ray":
+            checks += [Check("the status comes with its ray", False)] if sol.ray is None else _ray(problem, sol.ray)
+        if exact_certificate and not proved:
+            checks += _exact_rest(problem, certificate, sol)
             proved = True
     return Report(tuple(checks), proved and all(check.ok for check in checks))
 
@@ -211,19 +212,44 @@ def _solved(problem: _Problem, sol: _Answer, tol: float) -> list[Check]:
     ]
 
 
-def _exact_solution(problem: _Problem, z: Sequence[Fraction] | None, alpha: Any, rounded: Vector) -> list[Check]:
-    if z is None or len(z) != problem.n or not all(isinstance(x, (int, Fraction)) for x in z):
-        return [Check("the certificate holds n exact numbers", False)]
-    w = problem.exact_w([Fraction(x) for x in z])
+def _exact_rest(problem: _Problem, certificate: Any, sol: _Answer) -> list[Check]:
+    """What an exact certificate proves of a problem that is neither called solved nor infeasible."""
+    match certificate.kind:
+        case "solution":
+            return _exact_solution(problem, certificate)
+        case "infeasible":
+            return _farkas(problem, certificate, exact=True)
+        case "ray":
+            return _exact_ray(problem, certificate, sol.ray)
+        case "not_sufficient":
+            return _not_sufficient(problem, certificate)
+    return [Check("the certificate is of a known kind", False, str(certificate.kind))]
+
+
+def _are_exact(numbers: Sequence[Any] | None, n: int) -> bool:
+    return numbers is not None and len(numbers) == n and all(isinstance(x, (int, Fraction)) for x in numbers)
+
+
+def _rounded(z: Sequence[Fraction] | None, rounded: Vector) -> Check:
+    name = "z is the exact solution rounded"
+    if z is None or not _are_exact(z, len(rounded)):
+        return Check(name, False)
     scale = max((abs(float(x)) for x in z), default=0.0)
     near = all(abs(float(x) - y) <= _SOLVE_TOL * scale for x, y in zip(z, rounded.tolist(), strict=True))
+    return Check(name, near)
+
+
+def _exact_solution(problem: _Problem, certificate: Any) -> list[Check]:
+    z, alpha = certificate.z, certificate.alpha
+    if not _are_exact(z, problem.n):
+        return [Check("the certificate holds n exact numbers", False)]
+    w = problem.exact_w([Fraction(x) for x in z])
     basis = set(alpha or ())
     return [
         Check("exact z >= 0", all(x >= 0 for x in z)),
         Check("exact w = A z + q >= 0", all(x >= 0 for x in w)),
         Check("exact z'w = 0", all(x == 0 or y == 0 for x, y in zip(z, w, strict=True))),
         Check("w = 0 on alpha, z = 0 outside", all((w if i in basis else z)[i] == 0 for i in range(problem.n))),
-        Check("z is the exact solution rounded", near),
     ]
 
 
@@ -340,6 +366,29 @@ def _not_sufficient(problem: _Problem, certificate: Any) -> list[Check]:
     ]
 
 
+def _is_covering(d: Vector, n: int) -> bool:
+    d = np.asarray(d)
+    return d.shape == (n,) and bool(np.isfinite(d).all() and np.all(d > 0))
+
+
+def _exact_ray(problem: _Problem, certificate: Any, ray: Any) -> list[Check]:
+    """With the covering vector of `ray`; the first row with z_i > 0 says what z_0 is."""
+    z = certificate.z
+    if ray is None or not _are_exact(z, problem.n) or not _is_covering(ray.d, problem.n):
+        return [Check("the certificate holds n exact numbers, beside a ray with d > 0", False)]
+    z, d = [Fraction(x) for x in z], [Fraction(float(x)) for x in ray.d]
+    origin = [Fraction(float(x)) for x in problem.q]
+    image = [w - q for w, q in zip(problem.exact_w(z), origin, strict=True)]
+    support = [i for i in range(problem.n) if z[i] != 0]
+    z0 = -image[support[0]] / d[support[0]] if support else Fraction(-1)
+    w = [a + b * z0 for a, b in zip(image, d, strict=True)]
+    return [
+        Check("exact z_hat >= 0, not zero, z0_hat >= 0", min(z, default=z0) >= 0 and z0 >= 0),
+        Check("exact w_hat = A z_hat + d z0_hat >= 0", min(w, default=z0) >= 0),
+        Check("exact z_hat'w_hat = 0", not any(w[i] for i in support)),
+    ]
+
+
 def _ray(problem: _Problem, ray: Any) -> list[Check]:
     z_hat, d, z0_hat = np.asarray(ray.z_hat), np.asarray(ray.d), float(ray.z0_hat)
     if z_hat.shape != (problem.n,) or d.shape != (problem.n,):
@@ -354,5 +403,6 @@ def _ray(problem: _Problem, ray: Any) -> list[Check]:
         Check("w_hat = A z_hat + d z0_hat", bool(np.all(np.abs(w_hat - ray.w_hat) <= _SOLVE_TOL * size))),
         Check("w_hat >= 0", bool(np.all(w_hat >= -_SOLVE_TOL * size))),
         Check("z_hat'w_hat = 0", bool(np.all(crossed | (w_hat <= _SOLVE_TOL * size)))),
-        Check("A z + q + d z0 >= 0, z >= 0 where the ray starts", bool(np.all(w >= -_SOLVE_TOL * base))),
+        Check("A z + q + d z0 >= 0 where the ray starts", bool(np.all(w >= -_SOLVE_TOL * base))),
+        Check("z >= 0, z0 >= 0 where the ray starts", bool(np.all(ray.z >= 0) and ray.z0 >= 0)),
     ]

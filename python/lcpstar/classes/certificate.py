@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from fractions import Fraction
+from typing import Any
 
 from .exact import Rows, Vector, determinant, dot, principal, solve, subsets, times, transpose
 from .regions import Tree, cone_columns
@@ -89,6 +90,18 @@ class PositiveVector:
         """Multiply."""
         z = all(A[i][j] <= 0 for i in range(len(A)) for j in range(len(A)) if i != j)
         return z and min(self.v) > 0 and min(times(A, self.v)) > 0
+
+
+@dataclass(frozen=True)
+class InZ:
+    """A in Z, and `inner` proves that it is in P0: A is in K0."""
+
+    inner: Any
+
+    def proves(self, A: Rows) -> bool:
+        """Look at the entries off the diagonal, and check the other."""
+        z = all(A[i][j] <= 0 for i in range(len(A)) for j in range(len(A)) if i != j)
+        return z and bool(self.inner.proves(A))
 
 
 @dataclass(frozen=True)

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from functools import partial
 
-from .certificate import MinorSigns, PositiveVector
+from .certificate import InZ, MinorSigns, PositiveVector
 from .exact import solve
 from .registry import predicate
 from .subject import Subject
-from .verdict import Finding
+from .verdict import Finding, Verdict
 from .witness import Entry, Implied, Minor
 
 _RULE = {"P": "> 0", "P0": ">= 0", "N": "< 0", "N0": "<= 0"}
@@ -117,4 +117,8 @@ def is_k0(A: Subject) -> Finding:
     if v is not None and min(v) > 0:
         return Finding(True, "in Z with v > 0, Av = e > 0: an M-matrix", certificate=PositiveVector(v))
     p0 = A.verdict("P0")
-    return Finding(p0.holds, lambda: f"in Z; {p0.reason}", p0.witness, partial(getattr, p0, "certificate"))
+    return Finding(p0.holds, lambda: f"in Z; {p0.reason}", p0.witness, partial(_in_z, p0))
+
+
+def _in_z(p0: Verdict) -> InZ | None:
+    return None if p0.certificate is None else InZ(p0.certificate)

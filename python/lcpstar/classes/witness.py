@@ -357,11 +357,11 @@ class Implied:
 
     def refutes(self, A: Rows) -> bool:
         """Check the verdict on the larger class."""
-        return all(verdict.check() is True for verdict in self.verdicts)
+        return all(v.holds is False and v.matrix == A and v.check() is True for v in self.verdicts)
 
     def proves(self, A: Rows) -> bool:
         """Check the verdicts on the smaller classes."""
-        return all(verdict.check() is True for verdict in self.verdicts)
+        return all(v.holds is True and v.matrix == A and v.check() is True for v in self.verdicts)
 
     def sentence(self, A: Rows) -> str:
         """The inclusion and the other reasons."""
