@@ -423,7 +423,7 @@ def test_stacks_in_one_scene_have_the_bits_of_stacks_alone(boxes, planar):
 
 @pytest.mark.parametrize(("rows", "apart"), [(2, 1e-9), (4, 2e-3)])
 def test_order_of_bodies_is_physics_of_its_own(rows, apart):
-    """Contact with friction has many solutions in a wall; which one is found depends on the order, by less than a slip."""
+    """Contact with friction has many solutions in a wall; the order of the bodies decides, by less than a slip."""
     scene = kicked(scenes.pyramid_wall(rows), 7, 0.1)
     order = np.random.default_rng(0).permutation(len(scene))
     other = scene.subset(order)
