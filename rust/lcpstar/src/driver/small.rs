@@ -2,7 +2,8 @@
 
 use super::anytime::LOOSE;
 use super::pieces::{self, subproblem};
-use super::{Certify, Method, Settings, doubt};
+use super::portfolio::SHIFT;
+use super::{Certify, Method, Settings, doubt, support};
 use crate::certify::certify;
 use crate::control::Control;
 use crate::methods::block_pivoting;
@@ -76,21 +77,27 @@ const FACTORISATIONS: usize = 8;
 /// Above this order, the kernel works on the equilibrated problem where A is unbalanced.
 const SCALED_FROM: usize = 16;
 
-/// z, its basis and the number of factorisations of block pivoting, on the caller's numbers where they are balanced. Not
-/// verified.
+/// z, its basis (its support, where blocks were shifted) and the number of factorisations of block pivoting, on the caller's
+/// numbers where they are balanced. Not verified.
 pub(super) fn by_block_pivoting(lcp: &Lcp, control: &Control<'_>) -> Option<(Vec<f64>, Vec<usize>, usize)> {
     if !is_for_blocks(lcp) {
         return None;
     }
     let equilibrated = is_unbalanced(lcp).then(|| Equilibrated::new(lcp));
     let balanced = equilibrated.as_ref().map_or(lcp, |problem| &problem.lcp);
-    let options = block_pivoting::Settings { murty: false, ..block_pivoting::Settings::default() };
+    let largest = (0..lcp.n()).fold(0.0_f64, |m, i| m.max(balanced.row(i)[i]));
+    let options =
+        block_pivoting::Settings { murty: false, shift: SHIFT * largest, ..block_pivoting::Settings::default() };
     let found = block_pivoting::block_pivoting(balanced, &options, &control.with_max_iterations(Some(FACTORISATIONS)));
     let mut z: Vec<f64> = found.z.iter().map(|z| z.max(0.0)).collect();
     if let Some(problem) = equilibrated {
         z = problem.scaling.z_to_caller(&z);
     }
-    Some((z, found.alpha?, found.iterations))
+    let alpha = match found.termination {
+        Termination::Converged => support(&z),
+        _ => found.alpha?,
+    };
+    Some((z, alpha, found.iterations))
 }
 
 /// The kernel's basis, its point solved for again on the original numbers: where many pivots have lost digits, as with mass
