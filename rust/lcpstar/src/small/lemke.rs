@@ -474,7 +474,8 @@ impl<X: Lane<Number = f64>> Basis<X> {
 
     #[inline(always)]
     fn judge(&mut self, q: &[f64], w: &mut [f64], tol: f64) -> Judged {
-        let columns = Columns { width: self.width, columns: &self.columns[..self.n * self.width], support: &self.pairs };
+        let columns =
+            Columns { width: self.width, columns: &self.columns[..self.n * self.width], support: &self.pairs };
         verify_one(&columns, q, &self.z, &mut self.sums, w, tol)
     }
 

@@ -295,8 +295,10 @@ impl<X: Lane<Number = f64>> Entries<X> for RowMajor<'_> {
 
     #[inline(always)]
     fn something_lost(&self, z: &[X], sums: &[[X; 2]]) -> bool {
-        let term = |&(j, &a): &(usize, &f64)| a != 0.0 && z[j / BLOCK].get(j % BLOCK) > 0.0;
-        (0..self.n).any(|i| sums[i / BLOCK][1].get(i % BLOCK) == 0.0 && self.row(i).iter().enumerate().any(|x| term(&x)))
+        let positive = |j: usize| z[j / BLOCK].get(j % BLOCK) > 0.0;
+        (0..self.n)
+            .filter(|&i| sums[i / BLOCK][1].get(i % BLOCK) == 0.0)
+            .any(|i| self.row(i).iter().enumerate().any(|(j, &a)| a != 0.0 && positive(j)))
     }
 
     #[inline(always)]
