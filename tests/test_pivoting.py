@@ -169,7 +169,7 @@ GOLDEN = {
     ("morris", 31): (56, 32, 481),
     ("box_stack", 1): (3, 4, 3),
     ("box_stack", 3): (7, 10, 9),
-    ("box_stack", 10): (24, 31, 30),
+    ("box_stack", 10): (1, 31, 30),
     ("degenerate", 4): (2, 2, 1),
     ("degenerate", 16): (4, 4, 3),
     ("degenerate", 30): (11, 9, 36),

@@ -1,16 +1,23 @@
 //! The problem LCP(q, A), validated once; below it sizes and finiteness are trusted.
 
 use crate::error::{LcpError, Result};
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// LCP(q, A): find `z` with `w = A z + q >= 0`, `z >= 0`, `z'w = 0`.
 ///
 /// Owns its numbers: `A` row-major, `n * n` entries, shared with problems that differ in q; `q`, `n` entries; all finite.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Lcp {
     n: usize,
-    a: Arc<Vec<f64>>,
+    a: Arc<Matrix>,
     q: Vec<f64>,
+}
+
+/// A, row-major, and what has been found out about it.
+#[derive(Debug)]
+struct Matrix {
+    entries: Vec<f64>,
+    symmetric: OnceLock<bool>,
 }
 
 impl Lcp {
@@ -33,7 +40,7 @@ impl Lcp {
     /// A problem whose sizes are right and whose numbers come from a validated one.
     pub(crate) fn trusted(n: usize, a: Vec<f64>, q: Vec<f64>) -> Self {
         debug_assert!(a.len() == n * n && q.len() == n);
-        Self { n, a: Arc::new(a), q }
+        Self { n, a: Arc::new(Matrix { entries: a, symmetric: OnceLock::new() }), q }
     }
 
     /// LCP(q, A) with the same A and another q, which is as trusted as [`Lcp::trusted`] says. O(n).
@@ -51,13 +58,19 @@ impl Lcp {
     /// `A`, row-major.
     #[must_use]
     pub fn a(&self) -> &[f64] {
-        &self.a
+        &self.a.entries
+    }
+
+    /// Whether A is symmetric. O(n^2) the first time.
+    #[must_use]
+    pub fn is_symmetric(&self) -> bool {
+        *self.a.symmetric.get_or_init(|| crate::linalg::kernels::is_symmetric(self.n, self.a()))
     }
 
     /// Row `i` of `A`.
     #[must_use]
     pub fn row(&self, i: usize) -> &[f64] {
-        &self.a[i * self.n..(i + 1) * self.n]
+        &self.a()[i * self.n..(i + 1) * self.n]
     }
 
     /// `q`.

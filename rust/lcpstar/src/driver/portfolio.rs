@@ -196,12 +196,12 @@ const PROGRAMMES_WORK: usize = 1_000_000_000;
 /// Largest order at which all index sets are tried when everything else has failed.
 const ENUMERATE_UP_TO: usize = 12;
 
-/// Order above which a singular symmetric problem gets [`SHIFT`]: the kernel rarely fails below it.
+/// Order above which a singular symmetric problem gets [`SHIFT`] here: below it, it had one before the kernel.
 const SHIFT_FROM: usize = 64;
 
-/// Shift of the diagonal for singular symmetric problems that the kernel is too small for: far above rounding, and so far
-/// below 1 that one proximal step makes up for it. Not where a proof is asked for, which needs a nonsingular basis.
-const SHIFT: f64 = 1e-10;
+/// Shift of the diagonal for singular symmetric problems, beside its largest entry: far above rounding, and so far below 1 that
+/// one proximal step makes up for it. Not where a proof is asked for, which needs a nonsingular basis.
+pub(super) const SHIFT: f64 = 1e-10;
 
 /// Factorisations granted to block pivoting before the portfolio moves on.
 const BLOCK_PIVOTING_BUDGET: usize = 25;

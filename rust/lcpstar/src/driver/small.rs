@@ -2,10 +2,10 @@
 
 use super::anytime::LOOSE;
 use super::pieces::{self, subproblem};
-use super::{Certify, Method, Settings, doubt};
+use super::portfolio::SHIFT;
+use super::{Certify, Method, Settings, doubt, support};
 use crate::certify::certify;
 use crate::control::Control;
-use crate::linalg::kernels;
 use crate::methods::block_pivoting;
 use crate::pivoting::basis::basic_point;
 use crate::presolve::{self, Plan};
@@ -22,7 +22,7 @@ pub(super) fn solve(lcp: &Lcp, settings: &Settings, control: &Control<'_>) -> Op
     if n > TINY_ORDER || !is_plain(settings, control) {
         return None;
     }
-    if n > KERNEL_UP_TO && (settings.tol >= LOOSE || !kernels::is_symmetric(n, lcp.a())) {
+    if n > KERNEL_FIRST_UP_TO && settings.tol >= LOOSE {
         return None;
     }
     match presolve::plan(lcp) {
@@ -47,8 +47,7 @@ pub(super) fn solve_part(lcp: &Lcp, settings: &Settings, control: &Control<'_>) 
     if n > TINY_ORDER || !is_plain(settings, control) {
         return None;
     }
-    // Where A has zeros, the kernel skips rows, and its pivots are cheaper than factorisations.
-    let by_blocks = n > KERNEL_UP_TO || (n > SWEEPS_FROM && lcp.row(0).iter().all(|&a| a != 0.0));
+    let by_blocks = n > KERNEL_FIRST_UP_TO || (n > SWEEPS_FROM && lcp.is_symmetric());
     if by_blocks
         && let Some((z, alpha, iterations)) = by_block_pivoting(lcp, control)
         && let Some(judged) = verify_point(n, lcp.a(), lcp.q(), &z, settings.tol)
@@ -57,7 +56,8 @@ pub(super) fn solve_part(lcp: &Lcp, settings: &Settings, control: &Control<'_>) 
         let method = if alpha.is_empty() { "trivial" } else { "block_pivoting" };
         return Some(Solution { method, iterations, certificate, alpha, ..solved(&judged) });
     }
-    if n > KERNEL_UP_TO {
+    // Singular symmetric problems of this size are for shifted blocks, in the portfolio.
+    if n > KERNEL_FIRST_UP_TO && lcp.is_symmetric() {
         return None;
     }
     let scaling = (n > SCALED_FROM && is_unbalanced(lcp)).then(|| Scaling::new(lcp));
@@ -68,25 +68,36 @@ pub(super) fn solve_part(lcp: &Lcp, settings: &Settings, control: &Control<'_>) 
     }
 }
 
-/// Up to this order the kernel's pivots are cheaper than the factorisations of the portfolio.
-const KERNEL_UP_TO: usize = 64;
+/// Up to this order the kernel's pivots are cheaper than LU factorisations.
+const KERNEL_FIRST_UP_TO: usize = 64;
 /// Above this order, a symmetric A gets a few steps of block pivoting before the kernel.
-const SWEEPS_FROM: usize = 32;
+const SWEEPS_FROM: usize = 20;
 /// Factorisations granted to them.
 const FACTORISATIONS: usize = 8;
 /// Above this order, the kernel works on the equilibrated problem where A is unbalanced.
 const SCALED_FROM: usize = 16;
 
-/// z, its basis and the factorisations of block pivoting on the caller's numbers, for a balanced symmetric A with a positive
-/// diagonal. Not verified.
+/// z, its basis (its support, where blocks were shifted) and the number of factorisations of block pivoting, on the caller's
+/// numbers where they are balanced. Not verified.
 pub(super) fn by_block_pivoting(lcp: &Lcp, control: &Control<'_>) -> Option<(Vec<f64>, Vec<usize>, usize)> {
-    let n = lcp.n();
-    if !(0..n).all(|i| lcp.row(i)[i] > 0.0) || is_unbalanced(lcp) || !kernels::is_symmetric(n, lcp.a()) {
+    if !is_for_blocks(lcp) {
         return None;
     }
-    let options = block_pivoting::Settings { murty: false, ..block_pivoting::Settings::default() };
-    let found = block_pivoting::block_pivoting(lcp, &options, &control.with_max_iterations(Some(FACTORISATIONS)));
-    Some((found.z.iter().map(|z| z.max(0.0)).collect(), found.alpha?, found.iterations))
+    let equilibrated = is_unbalanced(lcp).then(|| Equilibrated::new(lcp));
+    let balanced = equilibrated.as_ref().map_or(lcp, |problem| &problem.lcp);
+    let largest = (0..lcp.n()).fold(0.0_f64, |m, i| m.max(balanced.row(i)[i]));
+    let options =
+        block_pivoting::Settings { murty: false, shift: SHIFT * largest, ..block_pivoting::Settings::default() };
+    let found = block_pivoting::block_pivoting(balanced, &options, &control.with_max_iterations(Some(FACTORISATIONS)));
+    let mut z: Vec<f64> = found.z.iter().map(|z| z.max(0.0)).collect();
+    if let Some(problem) = equilibrated {
+        z = problem.scaling.z_to_caller(&z);
+    }
+    let alpha = match found.termination {
+        Termination::Converged => support(&z),
+        _ => found.alpha?,
+    };
+    Some((z, alpha, found.iterations))
 }
 
 /// The kernel's basis, its point solved for again on the original numbers: where many pivots have lost digits, as with mass
@@ -118,6 +129,12 @@ fn solve_parts(lcp: &Lcp, plan: &Plan, settings: &Settings, control: &Control<'_
     let method = pieces::name(&pieces);
     let certificate = Some(Certificate::Solution { alpha: alpha.clone(), exact: None });
     Some(Solution { method, iterations, certificate, alpha, pieces, ..solved(&judged) })
+}
+
+/// Whether block pivoting is likely to end: the diagonal is positive, and A symmetric or without a zero in its first row, which
+/// frictional contact has.
+fn is_for_blocks(lcp: &Lcp) -> bool {
+    (0..lcp.n()).all(|i| lcp.row(i)[i] > 0.0) && (lcp.row(0).iter().all(|&a| a != 0.0) || lcp.is_symmetric())
 }
 
 /// Whether the diagonal spans more than `UNBALANCED`: pivots and rounding of large entries would then be compared with small

@@ -94,7 +94,7 @@ struct Search<'a> {
 impl<'a> Search<'a> {
     fn new(lcp: &'a Lcp, settings: &'a Settings) -> Self {
         let n = lcp.n();
-        let symmetric = kernels::is_symmetric(n, lcp.a());
+        let symmetric = lcp.is_symmetric();
         let (mut z, mut w) = (vec![0.0; n], lcp.q().to_vec());
         let mut in_alpha = vec![false; n];
         match &settings.alpha {

@@ -11,7 +11,7 @@
 //! pivot.
 
 use super::lane::{BLOCK, Lane, Mask};
-use super::verify::{Judged, is_small_when_equilibrated, verify_columns};
+use super::verify::{Columns, Judged, RowMajor, is_small_when_equilibrated, verify_one};
 
 /// Numbers per row are padded to a multiple of this.
 const WIDTH: usize = 8;
@@ -39,6 +39,9 @@ const REFINEMENTS: usize = 2;
 
 /// Pivots per row of the problem after which the method gives up.
 pub(crate) const PIVOTS_PER_ROW: usize = 10;
+
+/// Order beyond which the limit on pivots no longer grows: the portfolio does better than to wait.
+const PATIENT_UP_TO: usize = 64;
 
 /// Smallest pivot relative to the largest entry of the driving column.
 pub(crate) const PIVOT_TOLERANCE: f64 = 1e-10;
@@ -128,7 +131,7 @@ impl<X: Lane<Number = f64>> Basis<X> {
         }
         let mut stop = Stop::Ray;
         for covering in COVERINGS {
-            let limit = self.pivots + PIVOTS_PER_ROW * n;
+            let limit = self.pivots + PIVOTS_PER_ROW * n.min(PATIENT_UP_TO);
             stop = self.solve(a, q, covering, limit);
             if stop == Stop::Basis {
                 break;
@@ -153,15 +156,11 @@ impl<X: Lane<Number = f64>> Basis<X> {
         w: &mut [f64],
         tol: f64,
     ) -> Option<Judged> {
-        if !self.load(n, a) {
-            return None;
-        }
-        self.pairs.clear();
-        self.pairs.extend((0..n).filter(|&j| z[j] > 0.0));
+        self.resize(n);
         for (x, z) in self.z.iter_mut().zip(z.chunks(WIDTH)) {
             *x = X::from_slice(z);
         }
-        let judged = self.judge(q, w, tol);
+        let judged = verify_one(&RowMajor { n, a }, q, &self.z, &mut self.sums, w, tol);
         self.settled(judged, n, a, q, w, tol)
     }
 
@@ -175,9 +174,9 @@ impl<X: Lane<Number = f64>> Basis<X> {
         judged.solved.then_some(judged)
     }
 
-    /// The columns of the row-major `a`. `false` if a number is not finite: the pivots may never come across it.
+    /// Memory for problems of order n.
     #[inline(always)]
-    fn load(&mut self, n: usize, a: &[f64]) -> bool {
+    fn resize(&mut self, n: usize) {
         let (width, zero) = (n.div_ceil(WIDTH), X::splat(0.0));
         if n != self.n {
             self.n = n;
@@ -195,6 +194,13 @@ impl<X: Lane<Number = f64>> Basis<X> {
             self.pairs.reserve(n);
             self.place.resize(n, None);
         }
+    }
+
+    /// The columns of the row-major `a`. `false` if a number is not finite: the pivots may never come across it.
+    #[inline(always)]
+    fn load(&mut self, n: usize, a: &[f64]) -> bool {
+        self.resize(n);
+        let (width, zero) = (self.width, X::splat(0.0));
         let mut nothing = zero;
         for block in 0..width {
             let first = block * WIDTH;
@@ -468,8 +474,8 @@ impl<X: Lane<Number = f64>> Basis<X> {
 
     #[inline(always)]
     fn judge(&mut self, q: &[f64], w: &mut [f64], tol: f64) -> Judged {
-        let point = (&self.columns[..], &self.pairs[..], &self.z[..]);
-        verify_columns(self.n, self.width, point, q, &mut self.sums, w, tol)
+        let columns = Columns { width: self.width, columns: &self.columns[..self.n * self.width], support: &self.pairs };
+        verify_one(&columns, q, &self.z, &mut self.sums, w, tol)
     }
 
     /// z_j.

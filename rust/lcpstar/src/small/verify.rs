@@ -188,31 +188,144 @@ impl<X: Lane> Rows<X> {
     }
 }
 
-/// [`verify`] for one problem in double precision: the padded columns of A, `width` vectors each, the places where z may
-/// be positive, and z; also writes `w = A z + q`. O(n) for each of these places.
+/// Where one problem in double precision has its numbers.
+pub trait Entries<X: Lane<Number = f64>> {
+    /// `w = A z + q` and `m = |A||z| + |q|` block by block, for the blocks of z.
+    fn sums(&self, q: &[f64], z: &[X], sums: &mut [[X; 2]]);
+
+    /// Whether a row with `m_i = 0` has a product that underflowed.
+    fn something_lost(&self, z: &[X], sums: &[[X; 2]]) -> bool;
+
+    /// Rows, or columns, and the blocks of each.
+    fn size(&self) -> (usize, usize);
+
+    /// A block of a row, or of a column.
+    fn block(&self, i: usize, k: usize) -> X;
+}
+
+/// The padded columns of A, `width` blocks each, and the places where z may be positive.
+pub struct Columns<'a, X> {
+    pub width: usize,
+    pub columns: &'a [X],
+    pub support: &'a [usize],
+}
+
+impl<X: Lane<Number = f64>> Entries<X> for Columns<'_, X> {
+    /// O(n) for each place of the support.
+    #[inline(always)]
+    fn sums(&self, q: &[f64], z: &[X], sums: &mut [[X; 2]]) {
+        for (sums, q) in sums.iter_mut().zip(q.chunks(BLOCK)) {
+            let q = X::from_slice(q);
+            *sums = [q, q.abs()];
+        }
+        for &j in self.support {
+            let factor = X::splat(z[j / BLOCK].get(j % BLOCK));
+            for (sums, a) in sums.iter_mut().zip(&self.columns[j * self.width..(j + 1) * self.width]) {
+                *sums = [sums[0].add_product(*a, factor), sums[1].add_product(a.abs(), factor)];
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn something_lost(&self, z: &[X], sums: &[[X; 2]]) -> bool {
+        let zero = X::splat(0.0);
+        let mut lost = X::Mask::NONE;
+        for &j in self.support.iter().filter(|&&j| z[j / BLOCK].get(j % BLOCK) > 0.0) {
+            for (sums, a) in sums.iter().zip(&self.columns[j * self.width..(j + 1) * self.width]) {
+                lost = lost.or(zero.lt(a.abs()).and(sums[1].eq(zero)));
+            }
+        }
+        lost.any()
+    }
+
+    #[inline(always)]
+    fn size(&self) -> (usize, usize) {
+        (self.columns.len() / self.width, self.width)
+    }
+
+    #[inline(always)]
+    fn block(&self, i: usize, k: usize) -> X {
+        self.columns[i * self.width + k]
+    }
+}
+
+/// A, row-major.
+pub struct RowMajor<'a> {
+    pub n: usize,
+    pub a: &'a [f64],
+}
+
+impl RowMajor<'_> {
+    #[inline(always)]
+    fn row(&self, i: usize) -> &[f64] {
+        &self.a[i * self.n..(i + 1) * self.n]
+    }
+}
+
+impl<X: Lane<Number = f64>> Entries<X> for RowMajor<'_> {
+    /// O(n^2), four rows at a time.
+    #[inline(always)]
+    fn sums(&self, q: &[f64], z: &[X], sums: &mut [[X; 2]]) {
+        const ROWS: usize = 4;
+        let (zero, whole) = (X::splat(0.0), self.n / BLOCK);
+        sums.fill([zero; 2]);
+        for first in (0..self.n).step_by(ROWS) {
+            let mut rows: [&[f64]; ROWS] = [&[]; ROWS];
+            for (r, row) in rows.iter_mut().enumerate() {
+                // Rows beyond the last repeat it.
+                *row = self.row((first + r).min(self.n - 1));
+            }
+            let mut both = [[zero; 2]; ROWS];
+            for (k, &z) in z.iter().enumerate() {
+                for (row, both) in rows.iter().zip(&mut both) {
+                    let a = if k < whole {
+                        X::from_slice(&row[k * BLOCK..(k + 1) * BLOCK])
+                    } else {
+                        X::from_slice(&row[k * BLOCK..])
+                    };
+                    *both = [both[0].add_product(a, z), both[1].add_product(a.abs(), z)];
+                }
+            }
+            for (i, both) in (first..self.n).zip(both) {
+                sums[i / BLOCK][0].set(i % BLOCK, q[i] + both[0].sum());
+                sums[i / BLOCK][1].set(i % BLOCK, q[i].abs() + both[1].sum());
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn something_lost(&self, z: &[X], sums: &[[X; 2]]) -> bool {
+        let term = |&(j, &a): &(usize, &f64)| a != 0.0 && z[j / BLOCK].get(j % BLOCK) > 0.0;
+        (0..self.n).any(|i| sums[i / BLOCK][1].get(i % BLOCK) == 0.0 && self.row(i).iter().enumerate().any(|x| term(&x)))
+    }
+
+    #[inline(always)]
+    fn size(&self) -> (usize, usize) {
+        (self.n, self.n.div_ceil(BLOCK))
+    }
+
+    #[inline(always)]
+    fn block(&self, i: usize, k: usize) -> X {
+        X::from_slice(&self.row(i)[k * BLOCK..self.n.min((k + 1) * BLOCK)])
+    }
+}
+
+/// [`verify`] for one problem in double precision; also writes `w = A z + q`. O(n^2).
 #[inline(always)]
-pub fn verify_columns<X: Lane<Number = f64>>(
-    n: usize,
-    width: usize,
-    (columns, support, z): (&[X], &[usize], &[X]),
+pub fn verify_one<X: Lane<Number = f64>>(
+    entries: &impl Entries<X>,
     q: &[f64],
+    z: &[X],
     sums: &mut [[X; 2]],
     w: &mut [f64],
     tol: f64,
 ) -> Judged {
-    let zero = X::splat(0.0);
-    let mut largest_q = zero;
-    for (sums, q) in sums.iter_mut().zip(q.chunks(BLOCK)) {
-        let q = X::from_slice(q);
-        *sums = [q, q.abs()];
-        largest_q = q.abs().max(largest_q);
+    let n = q.len();
+    let mut largest_q = X::splat(0.0);
+    for q in q.chunks(BLOCK) {
+        largest_q = X::from_slice(q).abs().max(largest_q);
     }
-    for &j in support {
-        let factor = X::splat(z[j / BLOCK].get(j % BLOCK));
-        for (sums, a) in sums.iter_mut().zip(&columns[j * width..(j + 1) * width]) {
-            *sums = [sums[0].add_product(*a, factor), sums[1].add_product(a.abs(), factor)];
-        }
-    }
+    entries.sums(q, z, sums);
     let largest_q = largest_q.largest();
     let mut rows = Rows::<X>::new(n, X::splat(largest_q), tol);
     let padded = sums.iter().zip(z);
@@ -226,63 +339,46 @@ pub fn verify_columns<X: Lane<Number = f64>>(
     let residual = (2.0 * n as f64 + 1.0) * ratio;
     let mut solved = !rows.solved.not().any() && residual <= 0.999 * tol;
     if solved && rows.empty.any() {
-        solved = !something_lost(width, columns, support, z, sums);
+        solved = !entries.something_lost(z, sums);
     }
     let mut small = !rows.small.not().any();
     if solved && !small {
-        small = natural * growth_of_one(n, width, columns) <= absolute(tol) * largest_q;
+        small = natural * growth_of_one(entries) <= absolute(tol) * largest_q;
     }
     Judged { solved: solved && small, unsettled: solved && !small, residual, natural_residual: natural }
-}
-
-/// Whether a row with `m_i = 0` has a product that underflowed.
-#[inline(always)]
-fn something_lost<X: Lane<Number = f64>>(
-    width: usize,
-    columns: &[X],
-    support: &[usize],
-    z: &[X],
-    sums: &[[X; 2]],
-) -> bool {
-    let zero = X::splat(0.0);
-    let mut lost = X::Mask::NONE;
-    for &j in support.iter().filter(|&&j| z[j / BLOCK].get(j % BLOCK) > 0.0) {
-        for (sums, a) in sums.iter().zip(&columns[j * width..(j + 1) * width]) {
-            lost = lost.or(zero.lt(a.abs()).and(sums[1].eq(zero)));
-        }
-    }
-    lost.any()
 }
 
 /// Vectors per row up to which the columns are looked at.
 const WIDEST: usize = 32;
 
-/// [`growth`] for one problem in padded rows or columns.
+/// [`growth`] for one problem.
 #[inline(always)]
-fn growth_of_one<X: Lane<Number = f64>>(n: usize, width: usize, a: &[X]) -> f64 {
+fn growth_of_one<X: Lane<Number = f64>>(entries: &impl Entries<X>) -> f64 {
+    let (count, width) = entries.size();
     if width > WIDEST {
         return f64::INFINITY;
     }
     let (zero, one) = (X::splat(0.0), X::splat(1.0));
-    let mut columns = [zero; WIDEST];
+    let mut across = [zero; WIDEST];
     let (mut most, mut least) = (1.0_f64, 1.0_f64);
-    for row in a[..n * width].chunks_exact(width) {
+    for i in 0..count {
         let mut largest = zero;
-        for (a, m) in row.iter().zip(&mut columns) {
-            largest = a.abs().max(largest);
-            *m = a.abs().max(*m);
+        for (k, m) in across[..width].iter_mut().enumerate() {
+            let size = entries.block(i, k).abs();
+            largest = size.max(largest);
+            *m = size.max(*m);
         }
         let largest = largest.largest();
         most = most.max(largest);
         least = if largest > 0.0 { least.min(largest) } else { least };
     }
-    for column in &columns[..width] {
-        least = least.min(column.or_else(zero.lt(*column), one).smallest());
+    for m in &across[..width] {
+        least = least.min(m.or_else(zero.lt(*m), one).smallest());
     }
     16.0 * most.max(1.0 / least).powi(3)
 }
 
-/// What [`verify_columns`] found.
+/// What [`verify_one`] found.
 #[derive(Clone, Copy, Debug)]
 pub struct Judged {
     /// Whether the point solves the problem.
