@@ -186,6 +186,54 @@ def test_the_small_kernel_is_no_easier_than_certify():
     assert not lcpstar.solve_batch(np.stack([A] * 9), np.stack([q] * 9), tol=5e-4).success.any()
 
 
+@pytest.mark.parametrize("method", ["auto", "interior_point", "newton", "pgs", "pgs_sm", "nncg", "apgd", "admm"])
+@pytest.mark.parametrize(
+    ("A", "q"),
+    [
+        ([[0, 0], [0, 1]], [-(2.0**-40), 2.0**20]),  # a row without entries
+        ([[0, 0], [2.0**16, -(2.0**-6)]], [2.0**39, -(2.0**-38)]),
+        ([[-1, 0], [0, 1]], [-(2.0**-40), 2.0**20]),
+    ],
+)
+def test_a_small_row_of_a_sparse_matrix_holds_too(A, q, method):
+    """z = 0 leaves w_i = q_i < 0, far below the rounding of the largest q: a row of data, and no tail of a solution."""
+    sparse = pytest.importorskip("scipy.sparse")
+    assert not exactly_solvable(A, q)
+    solution = lcpstar.solve(sparse.csr_array(np.array(A, float)), q, method=method)
+    assert not solution.success
+    assert solution.status != "infeasible" or lcpstar.verify(A, q, solution)
+
+
+@pytest.mark.parametrize("method", ["auto", "newton", "pgs"])
+def test_a_sparse_point_beyond_the_doubles_is_no_solution(method):
+    """z = 1e600 solves the problem and is no double."""
+    sparse = pytest.importorskip("scipy.sparse")
+    solution = lcpstar.solve(sparse.csr_array([[1e-300]]), [-1e300], method=method)
+    assert not solution.success
+    assert np.isfinite([solution.z[0], solution.w[0], solution.residual]).all()
+
+
+HIDDEN = (
+    [
+        [-(2.0**65), 2.0**60, -(2.0**57), 2.0**15, -(2.0**36)],
+        [-(2.0**23), -(2.0**18), 2.0**14, 2.0**-28, 0],
+        [-(2.0**15), 0, 2.0**7, 0, -(2.0**-13)],
+        [-(2.0**56), 2.0**51, -(2.0**48), 2.0**6, -(2.0**27)],
+        [-(2.0**-7), 0, 2.0**-16, 2.0**-57, 2.0**-36],
+    ],
+    [-3 * 2.0**-27, 2.0**-27, -(2.0**-27), 2.0**-27, -(2.0**-27)],
+)
+
+
+def test_a_proof_that_fails_leaves_no_less_doubt():
+    """Without a solution; `certify="exact"` called the point solved that `certify="float"` had withdrawn."""
+    A, q = HIDDEN
+    assert not exactly_solvable(A, q)
+    for tol in (1e-4, 1e-9, 1e-12):
+        for certify in ("float", "exact"):
+            assert not lcpstar.solve(A, q, tol=tol, certify=certify).success
+
+
 @settings(max_examples=400, deadline=None)
 @given(st.integers(1, 5), st.integers(0, 2**32 - 1))
 def test_powers_of_two_make_nothing_solvable(n, seed):

@@ -229,6 +229,21 @@ def test_groups_of_solutions_that_do_not_meet():
     assert not refutes(r.Disconnected((0,), {0: (0,), 1: (1,)}, {0: 0, 1: 1}, ((0, 1, (0,)),)), [[0]])
 
 
+def test_every_piece_and_every_separation_counts():
+    # A = -I, q = e: the four corners of a square.
+    A, left, down = [[-1, 0], [0, -1]], (-1, 0), (0, -1)
+    corners = {0: (0, 0), 1: (1, 0), 2: (0, 1), 3: (1, 1)}
+    pairs = ((0, 1, left), (0, 2, down), (1, 2, left), (0, 3, left), (1, 3, down), (2, 3, left))
+    good = r.Disconnected((1, 1), corners, {k: k for k in corners}, pairs)
+    assert refutes(good, A)
+    three = {k: corners[k] for k in range(3)}  # the fourth piece might join them
+    assert not refutes(replace(good, points=three, component={k: k for k in three}), A)
+    # A = 0, q = (0, 1): the half line of all (z_1, 0), in two pieces; the others are empty.
+    empty = ((2, 2, down), (3, 3, down))
+    line = r.Disconnected((0, 1), {0: (0, 0), 1: (1, 0)}, {0: 0, 1: 1}, (*empty, (0, 1, down)))
+    assert not refutes(line, [[0, 0], [0, 0]])
+
+
 def test_a_ray_between_two():
     p, q = (1, 0, 0), (0, 1, 0)
     assert r._between(p, q, (2, 3, 0))
@@ -363,6 +378,9 @@ def test_trees_of_orthants():
             inside = (up[0] != label & 1) and up[1] if label < 4 else not up[1]
             moved = {**good.trees, orthant: r.Tree(((label, None),))}
             assert proves(replace(good, trees=moved), A) == inside, (orthant, label)
+    # Of two vectors the second is negative, but A'y <= 0 and y'q <= 0 on its orthant, q_1 >= 0 >= q_2.
+    assert proves(replace(good, infeasible=((0, 1), (0, 1)), trees={**good.trees, 2: r.Tree(((5, None),))}), A)
+    assert not proves(replace(good, infeasible=((0, 1), (-1, 1)), trees={**good.trees, 2: r.Tree(((5, None),))}), A)
     everywhere = classes.check([[2, -1], [-1, 2]], "Q").certificate
     assert everywhere.infeasible == ()
 

@@ -407,9 +407,10 @@ def _decreases(A: Rows, strict: bool) -> bool:
     if n == 1:
         return True
     # Singular: normalise the last entry of a null vector to 1; a positive one of a nullity-one block shows itself.
+    # Where the other rows determine it, they span the rows of A: the one left out holds, too.
     for row in range(n):
         rest = tuple(tuple(A[i][j] for j in range(n - 1)) for i in range(n) if i != row)
         y = solve(rest, [-A[i][n - 1] for i in range(n) if i != row])
         if y is not None:
-            return min(y) > 0 and dot(A[row], (*y, 1)) == 0
+            return min(y) > 0
     return False

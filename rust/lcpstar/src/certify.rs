@@ -6,7 +6,7 @@ mod extreme;
 use crate::exact::sufficiency::{self, NotSufficient};
 use crate::linalg::kernels::max_abs;
 use crate::residual::{
-    ABSOLUTE, SPARSE_FLOOR, equilibrated_residual, holds_alone, natural_residual, slack, slack_error,
+    ABSOLUTE, equilibrated_residual, holds_alone, natural_residual, slack, slack_error, sparse_floor,
 };
 use crate::scaling::{Equilibrated, ORDINARY, Scaling};
 use crate::solution::{Candidate, Certificate, Ray, Solution};
@@ -81,14 +81,14 @@ fn conclude(
 
 /// Recomputes `w`, both residuals and the row tests. Negative entries of `z` are set to zero first.
 fn judge(problem: &Equilibrated<'_>, z: Vec<f64>, tol: f64) -> Judged {
-    let judged = judge_point(&problem.scaling, max_abs(problem.original.q()), z, tol, 0.0, |z| slack(&problem.lcp, z));
+    let judged = judge_point(&problem.scaling, max_abs(problem.original.q()), z, tol, None, |z| slack(&problem.lcp, z));
     if problem.is_ordinary && judged.z.iter().all(|&z| z == 0.0 || ORDINARY.contains(&z)) {
         return judged;
     }
     extreme::judge(problem, judged, tol)
 }
 
-/// As [`judge`], for any way to compute `w'` and its rounding scale.
+/// As [`judge`], for any way to compute `w'` and its rounding scale; with `q'` where A is sparse.
 ///
 /// A point that fails is looked at again without the smaller member of each pair, and then without what is rounding error
 /// beside the largest entry, of one solve or after refinement: a degenerate z_i that should be zero, in a row that holds
@@ -98,7 +98,7 @@ fn judge_point(
     max_q: f64,
     mut z: Vec<f64>,
     tol: f64,
-    floor: f64,
+    sparse: Option<&[f64]>,
     slack: impl Fn(&[f64]) -> (Vec<f64>, Vec<f64>),
 ) -> Judged {
     for x in &mut z {
@@ -116,7 +116,7 @@ fn judge_point(
     let pairs: Vec<f64> = z.iter().zip(&w).map(|(&z, &w)| if z < w { 0.0 } else { z }).collect();
     let without = |noise: f64| pairs.iter().map(|&z| if z <= noise * largest { 0.0 } else { z }).collect();
     let (without_noise, without_dust): (Vec<f64>, Vec<f64>) = (without(NOISE), without(NOISE * NOISE));
-    let first = measure(scaling, max_q, z, w, magnitude, tol, floor);
+    let first = measure(scaling, max_q, z, w, magnitude, tol, sparse);
     if first.solves {
         return first;
     }
@@ -125,7 +125,7 @@ fn judge_point(
         if z != seen {
             let (w, magnitude) = slack(&z);
             seen.clone_from(&z);
-            let judged = measure(scaling, max_q, z, w, magnitude, tol, floor);
+            let judged = measure(scaling, max_q, z, w, magnitude, tol, sparse);
             if judged.solves {
                 return judged;
             }
@@ -136,7 +136,7 @@ fn judge_point(
     }
     let z = vec![0.0; first.z.len()];
     let (w, magnitude) = slack(&z);
-    measure(scaling, max_q, z, w, magnitude, tol, floor)
+    measure(scaling, max_q, z, w, magnitude, tol, sparse)
 }
 
 /// An entry of z below this part of the largest one may be rounding error.
@@ -150,11 +150,12 @@ fn measure(
     w: Vec<f64>,
     magnitude: Vec<f64>,
     tol: f64,
-    floor: f64,
+    sparse: Option<&[f64]>,
 ) -> Judged {
     let residual = equilibrated_residual(&z, &w);
     let violation = natural_residual(&z, &w) + slack_error(z.len(), max_abs(&magnitude));
-    let rows_hold = (0..z.len()).all(|i| holds_alone(z[i], w[i], magnitude[i], tol, floor));
+    let floor = |i: usize| sparse.map_or(0.0, |q| sparse_floor(q[i], magnitude[i]));
+    let rows_hold = (0..z.len()).all(|i| holds_alone(z[i], w[i], magnitude[i], tol, floor(i)));
     let caller_z = scaling.z_to_caller(&z);
     let caller_w = scaling.w_to_caller(&w);
     let magnitude = scaling.w_to_caller(&magnitude);
@@ -184,7 +185,7 @@ pub fn certify_sparse(
     tol: f64,
 ) -> Solution {
     let z = std::mem::take(&mut candidate.z);
-    let judged = judge_point(scaling, max_abs(original.q()), z, tol, SPARSE_FLOOR, |z| scaled.slack(z));
+    let judged = judge_point(scaling, max_abs(original.q()), z, tol, Some(scaled.q()), |z| scaled.slack(z));
     let farkas = candidate.farkas.as_deref().and_then(normalised).filter(|y| is_sparse_farkas(scaled, y));
     let certificate = farkas.map(|y| Certificate::Infeasible { y: scaling.multiplier_to_caller(&y), exact: None });
     conclude(judged, candidate, certificate, method, tol, |i, j| original.entry(i, j))

@@ -200,7 +200,7 @@ pub fn solve_at_length(lcp: &Lcp, settings: &Settings, control: &Control<'_>) ->
     };
     let is_auto = matches!(settings.method, Method::Auto);
     Ok(match settings.certify {
-        Certify::Float if is_auto && doubt::hides_q(lcp, &solution) => {
+        _ if is_auto && doubt::hides_q(lcp, &solution) => {
             prove::or_withdrawn(&problem, solution, settings.tol, control)
         }
         Certify::Float => solution,

@@ -48,9 +48,13 @@ pub fn holds_alone(z: f64, w: f64, m: f64, tol: f64, floor: f64) -> bool {
     off <= tol.sqrt() * m || off <= floor
 }
 
-/// The floor of [`holds_alone`] for a sparse A: rounding beside `max|q'| < 1`. The solution of a discretised equation may
-/// decay to nothing, and no double holds its tail. A dense A has floor 0.
-pub const SPARSE_FLOOR: f64 = 32.0 * f64::EPSILON;
+/// The floor of [`holds_alone`] in a row of a sparse A, with `m = (|A||z| + |q|)_i`: rounding beside `max|q'| < 1`. The
+/// solution of a discretised equation may decay to nothing, and no double holds its tail. In a row of which q_i is the greater
+/// part nothing decays, and the floor is 0, as it is for a dense A.
+#[must_use]
+pub fn sparse_floor(q: f64, m: f64) -> f64 {
+    if 2.0 * q.abs() < m { 32.0 * f64::EPSILON } else { 0.0 }
+}
 
 /// On the equilibrated problem, where `max|q'| < 1`, `max|min(z', w')|` itself must be below `max(tol, ABSOLUTE)`: both other
 /// tests allow rounding in proportion to z, and a z of 1e16 from a nearly singular block would pass them with any error.

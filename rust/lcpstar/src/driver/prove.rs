@@ -1,4 +1,8 @@
 //! `certify="exact"`: an answer found in floating point is proved in rational arithmetic, repaired, or left unproved.
+//!
+//! The exact methods are exact by construction. What they find is put into the caller's problem all the same before it is
+//! said ([`check_farkas`], [`check_solution`]): one look at the numbers, whatever became of them on the way. Only the equations
+//! of a basis that [`prove_solution`] accepts are not: the p-adic solve has proved them.
 
 use crate::certify::certify;
 use crate::control::Control;

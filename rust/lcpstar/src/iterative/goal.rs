@@ -2,7 +2,7 @@
 
 use super::Matrix;
 use crate::linalg::kernels::max_abs;
-use crate::residual::{ABSOLUTE, SPARSE_FLOOR, holds_alone};
+use crate::residual::{ABSOLUTE, holds_alone, sparse_floor};
 use crate::scaling::{Scaling, times_power_of_two};
 
 /// The residual to reach, measured on the equilibrated problem whatever problem the iteration runs on.
@@ -17,8 +17,8 @@ pub struct Goal {
     z_caller: Vec<f64>,
     w_caller: Vec<f64>,
     max_q: f64,
-    /// [`holds_alone`].
-    floor: f64,
+    /// The scaled q where A is sparse, else empty.
+    sparse_q: Vec<f64>,
 }
 
 /// The residual of the contract, and its numerator.
@@ -45,14 +45,15 @@ impl Goal {
             z_caller: factors(&|i| scaling.columns[i] - scaling.q),
             w_caller: factors(&|i| -scaling.rows[i] - scaling.q),
             max_q: max_abs(q),
-            floor: 0.0,
+            sparse_q: vec![],
         }
     }
 
     /// The same for a sparse A.
     #[must_use]
     pub fn of_sparse(tol: f64, scaling: &Scaling, q: &[f64]) -> Self {
-        Self { floor: SPARSE_FLOOR, ..Self::new(tol, scaling, scaling, q) }
+        let sparse_q = q.iter().zip(&scaling.rows).map(|(&q, r)| times_power_of_two(q, r + scaling.q)).collect();
+        Self { sparse_q, ..Self::new(tol, scaling, scaling, q) }
     }
 
     /// The goal of an iteration on the caller's numbers as they are.
@@ -106,9 +107,10 @@ impl Goal {
         self.may_be_reached(self.measure(z, w))
             && (0..z.len()).all(|i| {
                 let g = factor(&self.w_factor, i);
+                let floor = self.sparse_q.get(i).map_or(0.0, |&q| sparse_floor(q, magnitude[i]));
                 let (caller_z, caller_w) = (z[i] * self.z_caller[i], w[i] * self.w_caller[i]);
                 caller_z.min(caller_w).abs() <= allowed + 8.0 * f64::EPSILON * magnitude[i] * self.w_caller[i]
-                    && holds_alone(z[i] * factor(&self.z_factor, i), w[i] * g, magnitude[i] * g, self.tol, self.floor)
+                    && holds_alone(z[i] * factor(&self.z_factor, i), w[i] * g, magnitude[i] * g, self.tol, floor)
             })
     }
 
