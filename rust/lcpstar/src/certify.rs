@@ -348,6 +348,76 @@ mod tests {
         assert_eq!((nan.status, nan.z[0]), (Status::NumericalBreakdown, 0.0));
     }
 
+    /// Each view of a point refuses one that all others accept.
+    #[test]
+    fn every_view_counts() {
+        let solved = |a: &[f64], q: &[f64], z: &[f64]| verdict(a, q, z, 1e-9).status == Status::Solved;
+        let unit = [1.0, 0.0, 0.0, 1.0];
+        assert!(solved(&[1.0], &[-1.0], &[1.0 + 1e-9]));
+        assert!(!solved(&[1.0], &[-1.0], &[1.0 + 5e-9]), "residual 2.5e-9, within 10 tol max|q|");
+        let graded = [1.0, 0.0, 0.0, 1e6];
+        assert!(solved(&graded, &[-1.0, -1.0], &[1.0, 1e-6 * (1.0 + 1e-9)]));
+        assert!(!solved(&graded, &[-1.0, -1.0], &[1.0, 1e-6 * (1.0 + 1e-7)]), "w_2 = 1e-7 in the caller's units");
+        assert!(solved(&unit, &[-1.0, -1e-12], &[1.0, 1e-12 * (1.0 + 1e-6)]));
+        assert!(!solved(&unit, &[-1.0, -1e-12], &[1.0, 0.0]), "w_2 = q_2 < 0");
+        assert!(!solved(&unit, &[-1.0, -1e-12], &[1.0, 2e-12]), "w_2 = -q_2, z_2 > 0");
+    }
+
+    /// `(status of the dense problem, of the sparse one)` for the equilibrated matrix a and a candidate y.
+    fn refuted(a: &[f64], q: &[f64], y: &[f64]) -> (bool, bool) {
+        let n = q.len();
+        let lcp = Lcp::new(n, a.to_vec(), q.to_vec()).expect("valid");
+        let problem = Equilibrated::new(&lcp);
+        assert!(problem.scaling.rows.iter().chain(&problem.scaling.columns).all(|&e| e == 0));
+        let mut candidate = Candidate::point(vec![0.0; n], Termination::Infeasible, 0);
+        candidate.farkas = Some(y.to_vec());
+        let columns = (0..n).flat_map(|_| 0..n).collect();
+        let sparse = SparseLcp::new((0..=n).map(|i| i * n).collect(), columns, a.to_vec(), q.to_vec()).expect("valid");
+        let scaling = Scaling::of_sparse(&sparse);
+        let scaled = sparse.scaled(&scaling);
+        let found = certify_sparse(&sparse, &scaled, &scaling, candidate.clone(), "test", 1e-9);
+        let is = |solution: Solution| solution.status == Status::Infeasible;
+        (is(certify(&problem, candidate, "test", 1e-9)), is(found))
+    }
+
+    #[test]
+    fn every_statement_about_a_farkas_vector_counts() {
+        let square = [1.0, -1.0, -1.0, 1.0];
+        assert_eq!(refuted(&square, &[-1.0, -1.0], &[1.0, 1.0]), (true, true));
+        assert_eq!(refuted(&square, &[-1.0, 1.0], &[1.0, 1.0]), (false, false), "q'y = 0");
+        assert_eq!(refuted(&square, &[-1.0, 1.0], &[1.0, 1.0 + 1e-15]), (false, false), "q'y > 0");
+        assert_eq!(refuted(&[1.0], &[1.0], &[-1.0]), (false, false), "y < 0");
+        assert_eq!(refuted(&square, &[-1.0, -1.0], &[1.0, 1.0 + 1e-8]), (false, false), "z of size 1e8 is feasible");
+        // A'y = 1e-12 in column 2 is all there is in it, and no rounding.
+        assert_eq!(refuted(&[-1.0, 0.0, 0.0, 1.0], &[-1.0, -1.0], &[1.0, 1e-12]), (false, false));
+    }
+
+    #[test]
+    fn a_proof_that_a_is_not_sufficient_is_checked() {
+        let lcp = Lcp::new(2, vec![1.0, 2.0, 2.0, 1.0], vec![-1.0, -1.0]).expect("valid");
+        let problem = Equilibrated::new(&lcp);
+        for (x, holds) in [([1.0, -1.0], true), ([1.0, 1.0], false), ([0.0, 0.0], false)] {
+            let mut candidate = Candidate::point(vec![0.0; 2], Termination::NotSufficient, 0);
+            let x = crate::exact::dyadic::RationalVec::from_f64(&x);
+            candidate.not_sufficient = Some(NotSufficient { x, transposed: false });
+            assert_eq!(certify(&problem, candidate, "test", 1e-9).certificate.is_some(), holds);
+        }
+    }
+
+    #[test]
+    fn a_row_of_a_sparse_matrix_that_q_fills_is_no_tail() {
+        let certified = |q: [f64; 2], z: [f64; 2]| {
+            let lcp =
+                SparseLcp::new(vec![0, 2, 4], vec![0, 1, 0, 1], vec![1.0, -0.5, -0.5, 1.0], q.to_vec()).expect("valid");
+            let scaling = Scaling::of_sparse(&lcp);
+            let candidate = Candidate::point(scaling.z_from_caller(&z), Termination::Converged, 0);
+            certify_sparse(&lcp, &lcp.scaled(&scaling), &scaling, candidate, "test", 1e-9).status == Status::Solved
+        };
+        // z_2 of 1e-16 beside 1 may be cut off where its row says so; not where q_2 does.
+        assert!(certified([-1.0, 0.5 - 1e-16], [1.0, 0.0]));
+        assert!(!certified([1.0, -1e-16], [0.0, 0.0]));
+    }
+
     #[test]
     fn a_badly_scaled_row_cannot_hide() {
         // Row 2 is a million times smaller: its error of 100 % must still be seen.

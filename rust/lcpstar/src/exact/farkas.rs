@@ -84,6 +84,16 @@ mod tests {
     }
 
     #[test]
+    fn each_statement_about_a_farkas_vector_is_checked() {
+        let check = |a: f64, q: f64, y: &[f64]| check_farkas(&lcp(1, &[a], &[q]), &RationalVec::from_f64(y));
+        assert!(check(-1.0, -1.0, &[1.0]));
+        assert!(!check(1.0, -1.0, &[1.0]), "A'y > 0");
+        assert!(!check(1.0, 1.0, &[-1.0]), "y < 0");
+        assert!(!check(-1.0, 0.0, &[1.0]), "q'y = 0");
+        assert!(!check(-1.0, -1.0, &[1.0, 0.0]), "two entries");
+    }
+
+    #[test]
     fn a_farkas_vector_is_checked_and_repaired() {
         let p = lcp(2, &[0.0, -0.1, -0.3, 0.0], &[1.0, -1.0]);
         assert!(prove_farkas(&p, &[0.0, 1.0]));

@@ -268,6 +268,15 @@ mod tests {
         check(4, &block, &[0.0, 0.0, 0.0, -0.25]);
     }
 
+    /// x = 7 p^6 + 5 looks like 5 in its first digits.
+    #[test]
+    fn a_guess_from_too_few_digits_is_not_taken() {
+        let block = Block::new(1, |_, _| 1.0).expect("nonsingular");
+        let value: BigInt = BigInt::from(block.prime.value()).pow(6) * 7u32 + 5u32;
+        let x = block.solve(&[Scaled { value: value.clone(), exponent: 0 }], &|| false).expect("not interrupted");
+        assert_eq!(x.numerators[0], value * &x.denominator);
+    }
+
     #[test]
     fn a_singular_block_is_called_singular() {
         assert_eq!(Block::new(2, |_, _| 0.1).err(), Some(Unsolved::Singular));

@@ -254,6 +254,17 @@ mod tests {
     }
 
     #[test]
+    fn each_statement_about_a_solution_is_checked() {
+        let check = |a: f64, q: f64, z: &[f64]| check_solution(&lcp(1, &[a], &[q]), &RationalVec::from_f64(z));
+        assert!(check(1.0, -1.0, &[1.0]) && check(1.0, 1.0, &[0.0]) && check(0.0, 0.0, &[1.0]));
+        assert!(!check(1.0, -1.0, &[0.0]), "w < 0");
+        assert!(!check(0.0, 0.0, &[-1.0]), "z < 0 = w");
+        assert!(!check(0.0, 1.0, &[-1.0]), "z < 0 < w");
+        assert!(!check(0.0, 1.0, &[1.0]), "z w > 0");
+        assert!(!check(1.0, -1.0, &[1.0, 0.0]), "two entries");
+    }
+
+    #[test]
     fn a_tie_that_rounding_hides_is_decided() {
         // w_2 = 1 - 3 z_1 with z_1 = fl(1/3) solves exactly 1 - 3 fl(1/3) = 2^-54 > 0, and -2^-54 with the signs swapped.
         let third = 1.0 / 3.0;

@@ -89,6 +89,21 @@ mod tests {
     }
 
     #[test]
+    fn each_statement_about_a_ray_is_checked() {
+        let check = |a: &[f64], z: &[f64], z0: i64| {
+            let n = z.len();
+            let ray = ExactRay { z: RationalVec::from_f64(z), z0: BigInt::from(z0) };
+            check_ray(&lcp(n, a, &vec![-1.0; n]), &vec![1.0; n], &ray)
+        };
+        assert!(check(&[0.0], &[1.0], 0) && check(&[-1.0], &[1.0], 1));
+        assert!(!check(&[0.0], &[-1.0], 0), "z < 0");
+        assert!(!check(&[0.0], &[0.0], 0), "z = 0");
+        assert!(!check(&[1.0], &[1.0], -1), "z_0 < 0");
+        assert!(!check(&[1.0], &[1.0], 0), "z w > 0");
+        assert!(!check(&[0.0, 0.0, -1.0, 0.0], &[1.0, 0.0], 0), "w < 0");
+    }
+
+    #[test]
     fn a_ray_is_made_exact() {
         // Feasible direction of a skew matrix.
         let p = lcp(2, &[0.0, -1.0 / 3.0, 1.0 / 3.0, 0.0], &[-1.0, -1.0]);
