@@ -67,6 +67,26 @@ impl Block {
         self.library.is_some()
     }
 
+    /// Factors the block of the independent indices of `alpha`, for symmetric positive semidefinite A, and puts them first, as
+    /// [`BlockFactor::cholesky_pivoted`] does; their number. O(|alpha|^3).
+    pub fn factor_semidefinite(
+        &mut self,
+        lcp: &Lcp,
+        alpha: &mut [usize],
+        weights: &[f64],
+        floor: f64,
+    ) -> Option<usize> {
+        let rank = self.own.cholesky_pivoted(lcp, alpha, weights, floor)?;
+        self.hold(&alpha[..rank]);
+        Some(rank)
+    }
+
+    /// What [`factor_semidefinite`](Self::factor_semidefinite) left.
+    #[must_use]
+    pub fn factors(&self) -> &BlockFactor {
+        &self.own
+    }
+
     fn hold(&mut self, alpha: &[usize]) {
         self.alpha.clear();
         self.alpha.extend_from_slice(alpha);

@@ -1,11 +1,13 @@
 //! The exact finish: from a point near a solution to a complementary basis and a residual at rounding level.
 //!
-//! The support is guessed from `z_i > w_i`; the point is then solved for, projected, or moved along its face to a vertex.
+//! The support is guessed from `z_i > w_i`; the point is then solved for, projected, or moved along its face to a vertex. For
+//! symmetric A that is tried first from one Cholesky factorisation, see [`semidefinite`](super::semidefinite).
 //! Nothing is believed here: each candidate is measured on the data, and only a better one replaces the point.
 
 use crate::linalg::backend::RowSpace;
 use crate::linalg::kernels::{axpy, dot};
 use crate::pivoting::basis::basic_point;
+use crate::pivoting::semidefinite::semidefinite;
 use crate::problem::Lcp;
 use crate::residual::{equilibrated_residual, slack};
 
@@ -23,7 +25,7 @@ pub struct Finished {
 }
 
 /// Residual at rounding level: the finish stops looking for better.
-const ROUNDING: f64 = 1e-14;
+pub(super) const ROUNDING: f64 = 1e-14;
 /// Block exchanges of wrong signs at most.
 const EXCHANGES: usize = 8;
 /// Ranks of the projection: entries of R below these fractions count as zero. From the likely to the cautious.
@@ -34,12 +36,17 @@ const DEGENERATE: f64 = 1e-7;
 /// Tries to finish the point `(z, w)` of an equilibrated problem; the best candidate, whatever its residual.
 /// O(n^3); a few factorisations.
 #[must_use]
-pub fn finish(lcp: &Lcp, z: &[f64], w: &[f64]) -> Option<Finished> {
-    let guess: Vec<usize> = (0..lcp.n()).filter(|&i| z[i] > w[i]).collect();
-    let mut best = exchange(lcp, guess.clone(), EXCHANGES);
+pub fn finish(lcp: &Lcp, z: &[f64], w: &[f64], symmetric: bool) -> Option<Finished> {
+    let mut best = if symmetric { semidefinite(lcp, z, w, EXCHANGES) } else { None };
     if best.as_ref().is_some_and(|found| found.residual <= ROUNDING) {
         return best;
     }
+    let guess: Vec<usize> = (0..lcp.n()).filter(|&i| z[i] > w[i]).collect();
+    let basic = exchange(lcp, guess.clone(), EXCHANGES);
+    if basic.as_ref().is_some_and(|found| found.residual <= ROUNDING) {
+        return basic;
+    }
+    best = best.into_iter().chain(basic).min_by(|a, b| a.residual.total_cmp(&b.residual));
     let better = |candidate: &Finished, best: &Option<Finished>| {
         best.as_ref().is_none_or(|best| candidate.residual < best.residual)
     };
@@ -64,9 +71,13 @@ pub fn finish(lcp: &Lcp, z: &[f64], w: &[f64]) -> Option<Finished> {
 /// Only the guess and one exchange: O(n^3), two factorisations of the order of the support. `Some` when that is a solution
 /// to rounding.
 #[must_use]
-pub fn finish_quickly(lcp: &Lcp, z: &[f64], w: &[f64]) -> Option<Finished> {
-    let guess = (0..lcp.n()).filter(|&i| z[i] > w[i]).collect();
-    exchange(lcp, guess, 2).filter(|found| found.residual <= ROUNDING)
+pub fn finish_quickly(lcp: &Lcp, z: &[f64], w: &[f64], symmetric: bool) -> Option<Finished> {
+    let found = if symmetric {
+        semidefinite(lcp, z, w, 2)
+    } else {
+        exchange(lcp, (0..lcp.n()).filter(|&i| z[i] > w[i]).collect(), 2)
+    };
+    found.filter(|found| found.residual <= ROUNDING)
 }
 
 /// The basic point of `alpha`, then of the sets reached by exchanging every index with the wrong sign, while their
@@ -94,7 +105,7 @@ fn exchange(lcp: &Lcp, mut alpha: Vec<usize>, rounds: usize) -> Option<Finished>
     best
 }
 
-fn measured(lcp: &Lcp, mut z: Vec<f64>, alpha: Vec<usize>, is_basis: bool) -> Finished {
+pub(super) fn measured(lcp: &Lcp, mut z: Vec<f64>, alpha: Vec<usize>, is_basis: bool) -> Finished {
     z.iter_mut().for_each(|x| *x = x.max(0.0));
     let (w, magnitude) = slack(lcp, &z);
     let residual = equilibrated_residual(&z, &w).max(excess(&z, &w, &magnitude));
@@ -244,7 +255,7 @@ mod tests {
     #[test]
     fn nearby_point_becomes_the_basis() {
         let problem = lcp(&[2.0, 1.0, 1.0, 2.0], &[-5.0, -6.0]);
-        let found = finish(&problem, &[1.33, 2.34], &[1e-3, 1e-3]).expect("finished");
+        let found = finish(&problem, &[1.33, 2.34], &[1e-3, 1e-3], true).expect("finished");
         assert_eq!((found.alpha, found.is_basis), (vec![0, 1], true));
         assert!(found.residual <= ROUNDING);
     }
@@ -253,15 +264,17 @@ mod tests {
     fn singular_block_ends_at_a_vertex() {
         // z_1 + z_2 + z_3 = 1: the analytic centre is no vertex.
         let problem = lcp(&[1.0; 9], &[-1.0; 3]);
-        let found = finish(&problem, &[0.3334, 0.3332, 0.3335], &[1e-6; 3]).expect("finished");
-        assert!(found.residual <= ROUNDING && found.is_basis, "{found:?}");
-        assert_eq!(found.alpha.len(), 1);
+        for symmetric in [true, false] {
+            let found = finish(&problem, &[0.3334, 0.3332, 0.3335], &[1e-6; 3], symmetric).expect("finished");
+            assert!(found.residual <= ROUNDING && found.is_basis, "{found:?}");
+            assert_eq!(found.alpha.len(), 1);
+        }
     }
 
     #[test]
     fn wrong_guess_is_repaired_by_exchanges() {
         let problem = lcp(&[2.0, 1.0, 1.0, 2.0], &[-5.0, 6.0]);
-        let found = finish(&problem, &[2.0, 0.3], &[0.1, 0.2]).expect("finished");
+        let found = finish(&problem, &[2.0, 0.3], &[0.1, 0.2], true).expect("finished");
         assert_eq!((found.alpha, found.is_basis), (vec![0], true));
     }
 }

@@ -6,6 +6,7 @@ pub mod dictionary;
 pub mod finish;
 pub mod path;
 pub mod real;
+pub mod semidefinite;
 pub mod transform;
 pub mod var;
 

@@ -47,11 +47,11 @@ impl Problem for Dense<'_> {
     }
 
     fn finish(&self, z: &[f64], w: &[f64]) -> Option<Finished> {
-        finish(self.lcp, z, w)
+        finish(self.lcp, z, w, self.is_symmetric())
     }
 
     fn finish_quickly(&self, z: &[f64], w: &[f64]) -> Option<Finished> {
-        finish_quickly(self.lcp, z, w)
+        finish_quickly(self.lcp, z, w, self.is_symmetric())
     }
 
     fn farkas_vector(&self, z: &[f64], w: &[f64]) -> Option<Vec<f64>> {
