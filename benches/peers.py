@@ -23,15 +23,15 @@ def quantecon_lemke_howson() -> Peer:
     """For `A = [[0, C], [D, 0]]`, `q = -e`: an equilibrium of the game with costs C and D. The game is built once."""
     from quantecon.game_theory import NormalFormGame, Player, lemke_howson
 
-    games: dict[int, NormalFormGame] = {}
+    games: dict[int, tuple[object, NormalFormGame]] = {}  # with A, so that no other array gets its id
 
     def solve(A, q):
         m = len(q) // 2
         if len(q) % 2 or np.any(q != -1) or np.any(A[:m, :m]) or np.any(A[m:, m:]) or np.any(A < 0):
             return None
         if id(A) not in games:
-            games[id(A)] = NormalFormGame((Player(-A[:m, m:]), Player(-A[m:, :m])))
-        x, y = lemke_howson(games[id(A)])
+            games[id(A)] = A, NormalFormGame((Player(-A[:m, m:]), Player(-A[m:, :m])))
+        x, y = lemke_howson(games[id(A)][1])
         return np.concatenate([x / (A[m:, :m] @ x).min(), y / (A[:m, m:] @ y).min()])
 
     return solve
