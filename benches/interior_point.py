@@ -148,10 +148,16 @@ def beside_peers() -> tuple[str, list[dict[str, object]]]:
         "| --- | --- | --- | --- | " + " | ".join("---" for _ in PEERS) + " |",
     ]
     data = []
-    families = {"random_spd": problems.random_spd, "psd_half_rank": problems.psd_half_rank}
-    for family, build in families.items():
-        for n in (20, 100, 200, 500):
-            A, q = build(n, 1)
+    families = {
+        "random_spd": (problems.random_spd, (20, 100, 200, 500)),
+        "psd_half_rank": (problems.psd_half_rank, (20, 100, 200, 500)),
+        "degenerate": (problems.degenerate, (20, 100, 200, 300)),
+        "box_stack": (lambda k, seed: problems.box_stack(k, 1.0, seed=seed), (5, 25, 50, 75)),
+    }
+    for family, (build, sizes) in families.items():
+        for size in sizes:
+            A, q = build(size, 1)
+            n = len(q)
             sol = ours(A, q)
             assert sol.success
             mine = median_seconds(lambda A=A, q=q: ours(A, q))

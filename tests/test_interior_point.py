@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import lcpstar
+from lcp_checks import assert_solves
 from lcpstar import problems
 
 
@@ -33,6 +34,30 @@ def test_exponential_families_take_few_iterations(family, n):
     assert sol.residual <= 1e-15
 
 
+def monotone_problems(corpus):
+    """Published problems with A + A' PSD to rounding, of each batch every 25th."""
+    for path in corpus:
+        with np.load(path) as data:
+            matrices, vectors = data["A"], data["q"]
+        if matrices.ndim == 2:
+            matrices, vectors = matrices[None], vectors[None]
+        for A, q in list(zip(matrices, vectors, strict=True))[::25]:
+            if 0 < len(q) <= 500 and is_monotone(A):
+                yield A, q
+
+
+def test_published_monotone_problems(corpus):
+    iterations = []
+    for A, q in monotone_problems(corpus):
+        sol = solve(A, q)
+        assert_solves(A, q, sol)
+        assert sol.residual <= 1e-12
+        iterations.append(sol.iterations)
+    assert len(iterations) >= 40
+    assert np.median(iterations) <= 12
+    assert max(iterations) <= 30
+
+
 def infeasible(kind, n, rng):
     """A monotone problem with a known Farkas vector y."""
     y = np.abs(rng.standard_normal(n)) + 0.01
@@ -59,7 +84,7 @@ def infeasible(kind, n, rng):
 
 @pytest.mark.parametrize("kind", ["symmetric", "unsymmetric", "kkt"])
 def test_infeasible_monotone_problems_are_certified(kind):
-    """Issue 5, point 1: every one, by a vector that anyone can check."""
+    """Every one, by a vector that anyone can check."""
     rng = np.random.default_rng(7)
     for _ in range(60):
         A, q = infeasible(kind, int(rng.integers(2, 50)), rng)
@@ -138,7 +163,7 @@ def test_two_by_two_counterexample_is_not_called_solved_unless_it_is():
 
 
 def test_thousand_tilde_class_matrices_outside_p0():
-    """Issue 5, point 4: positive matrices are in the paper's tilde class (R0 and semimonotone); keep those not P0."""
+    """Positive matrices are in the paper's tilde class (R0 and semimonotone); keep those not P0."""
     rng = np.random.default_rng(4)
     count = 0
     while count < 1000:

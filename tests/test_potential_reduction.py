@@ -115,7 +115,7 @@ def test_phase_one_finds_a_start_whatever_the_units(scale):
 
 @pytest.mark.parametrize("n", [3, 10, 30, 100])
 def test_long_steps_reach_1e_8_in_at_most_40_iterations(n):
-    """Issue 5, point 5: random monotone problems."""
+    """Random monotone problems."""
     rng = np.random.default_rng(n)
     options = lcpstar.PotentialReductionOptions(long_step=True)
     counts = []
@@ -157,7 +157,7 @@ def degenerate_pair(n, mu, degenerate, rng):
 
 @pytest.mark.parametrize("degenerate", [0.0, 0.25])
 def test_direction_keeps_its_digits_where_plain_cholesky_loses_them(degenerate):
-    """Issue 5, point 2: relative error under 1e-8 for mu = 1e-2 .. 1e-14, against 60 digits."""
+    """Relative error under 1e-8 for mu = 1e-2 .. 1e-14, against 60 digits."""
     rng = np.random.default_rng(1)
     n, switched, plain_worst = 12, [], 0.0
     for exponent in range(2, 15, 2):

@@ -238,7 +238,8 @@ fn by_method(problem: &Equilibrated<'_>, settings: &Settings, control: &Control<
         }
         Method::InteriorPoint(options) => {
             let found = interior_point_candidate(problem, settings, options, control);
-            certify(problem, found, "interior_point", settings.tol)
+            let solution = certify(problem, found, "interior_point", settings.tol);
+            if options.finish { portfolio::finished_by_pivots(problem, solution, settings, control) } else { solution }
         }
         Method::PotentialReduction(options) => {
             let stop = potential_reduction::Stop::Residual(settings.tol);

@@ -12,6 +12,7 @@ use crate::methods::{
     principal_pivoting as criss_cross,
 };
 use crate::problem::Lcp;
+use crate::residual::slack;
 use crate::scaling::Equilibrated;
 use crate::solution::{Candidate, Solution};
 use crate::status::{Status, Termination};
@@ -104,6 +105,45 @@ fn from_guess(race: &mut Race<'_>, settings: &Settings) -> bool {
         lemke::lemke_from::<f64>(lcp, &alpha, &control.with_max_iterations(Some(limit)))
     })
 }
+
+/// An interior point that is near a solution and did not become one of the accuracy of doubles: Lemke's method from its
+/// support, in doubles, then in double-doubles.
+pub(super) fn finished_by_pivots(
+    problem: &Equilibrated<'_>,
+    solution: Solution,
+    settings: &Settings,
+    control: &Control<'_>,
+) -> Solution {
+    let is_finished = solution.status == Status::Infeasible
+        || (solution.status == Status::Solved && solution.residual <= FINISHED)
+        || solution.residual > NEARLY;
+    if is_finished || control.max_iterations.is_some() {
+        return solution;
+    }
+    let lcp = &problem.lcp;
+    let z = problem.scaling.z_from_caller(&solution.z);
+    let w = slack(lcp, &z).0;
+    let alpha: Vec<usize> = (0..z.len()).filter(|&i| z[i] > w[i]).collect();
+    let limited = with_limit(control, 20 + lcp.n());
+    for path in [lemke::lemke_from::<f64>, lemke::lemke_from::<Dd>] {
+        let found = path(lcp, &alpha, &limited);
+        let pivots = found.iterations;
+        let mut found = certify(problem, found, solution.method, settings.tol);
+        if found.status == Status::Solved && found.residual <= solution.residual {
+            found.iterations = solution.iterations;
+            found.message.push_str(&format!("; finished by {pivots} pivots of Lemke's method"));
+            return found;
+        }
+        if lcp.n() > DOUBLE_DOUBLE_UP_TO {
+            break;
+        }
+    }
+    solution
+}
+
+/// What the finish of the interior point method should leave, and what it may start from.
+const FINISHED: f64 = 1e-12;
+const NEARLY: f64 = 1e-6;
 
 /// Criss-cross in doubles, then in double-doubles where rounding hid a proof.
 pub(super) fn principal_pivoting(problem: &Equilibrated<'_>, tol: f64, control: &Control<'_>) -> Solution {
