@@ -56,7 +56,7 @@ impl<'a> Assembly<'a> {
         for part in &plan.parts {
             let left = control.max_iterations.map(|limit| limit.saturating_sub(self.iterations));
             let control = &control.with_max_iterations(left);
-            let lcp = subproblem(self.problem.original, part, &self.z);
+            let lcp = subproblem(self.problem.original, part, &self.z)?;
             if let Some((z, alpha, iterations)) = self.unverified(&lcp, control) {
                 self.add(part, &z, &alpha, "block_pivoting", iterations);
                 continue;
@@ -126,10 +126,11 @@ impl<'a> Assembly<'a> {
     }
 }
 
-/// One part on the caller's numbers, where the parts before it have the solution `z`.
-pub(super) fn subproblem(lcp: &Lcp, part: &Part, z: &[f64]) -> Lcp {
+/// One part on the caller's numbers, where the parts before it have the solution `z`. `None` if its q is beyond the doubles.
+pub(super) fn subproblem(lcp: &Lcp, part: &Part, z: &[f64]) -> Option<Lcp> {
     let q = |i: usize| if part.follows { dot_compensated(lcp.q()[i], lcp.row(i), z).0 } else { lcp.q()[i] };
-    presolve::subproblem(lcp, &part.indices, part.indices.iter().map(|&i| q(i)).collect())
+    let q: Vec<f64> = part.indices.iter().map(|&i| q(i)).collect();
+    q.iter().all(|q| q.is_finite()).then(|| presolve::subproblem(lcp, &part.indices, q))
 }
 
 /// The method that answered every part, but for those with `q >= 0`; `"pieces"` when there are several.
@@ -139,5 +140,18 @@ pub(super) fn name(pieces: &[Piece]) -> &'static str {
         None => "trivial",
         Some(first) if methods.all(|method| method == first) => first,
         Some(_) => "pieces",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_part_whose_q_overflows_has_no_answer() {
+        let lcp = Lcp::new(2, vec![1e-200, 0.0, 1e200, 1.0], vec![-1e100, 0.0]).expect("valid");
+        let part = Part { indices: vec![1], follows: true };
+        assert!(subproblem(&lcp, &part, &[1e100, 0.0]).is_some());
+        assert!(subproblem(&lcp, &part, &[1e300, 0.0]).is_none());
     }
 }

@@ -118,7 +118,7 @@ fn solve_parts(lcp: &Lcp, plan: &Plan, settings: &Settings, control: &Control<'_
     let mut z = vec![0.0; lcp.n()];
     let (mut alpha, mut pieces, mut iterations) = (vec![], vec![], 0);
     for part in &plan.parts {
-        let solution = solve_part(&subproblem(lcp, part, &z), settings, control)?;
+        let solution = solve_part(&subproblem(lcp, part, &z)?, settings, control)?;
         part.indices.iter().zip(&solution.z).for_each(|(&i, x)| z[i] = *x);
         alpha.extend(solution.alpha.iter().map(|&i| part.indices[i]));
         iterations += solution.iterations;
