@@ -90,7 +90,10 @@ impl<'a> Assembly<'a> {
     /// A large part by block pivoting on the caller's numbers, if that is quick: no verdict of its own, since the whole gets one.
     fn unverified(&self, lcp: &Lcp, control: &Control<'_>) -> Option<(Vec<f64>, Vec<usize>, usize)> {
         let asked = self.settings.z0.is_none() && control.max_iterations.is_none();
-        (asked && lcp.n() > TINY_ORDER).then(|| small::by_block_pivoting(lcp, control)).flatten()
+        if !asked || lcp.n() <= TINY_ORDER {
+            return None;
+        }
+        small::by_block_pivoting(lcp, small::scaling_if_unbalanced(lcp).as_ref(), control)
     }
 
     /// One part as a problem of its own.

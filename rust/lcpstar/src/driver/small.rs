@@ -47,9 +47,10 @@ pub(super) fn solve_part(lcp: &Lcp, settings: &Settings, control: &Control<'_>) 
     if n > TINY_ORDER || !is_plain(settings, control) {
         return None;
     }
+    let scaling = scaling_if_unbalanced(lcp);
     let by_blocks = n > KERNEL_FIRST_UP_TO || (n > SWEEPS_FROM && lcp.is_symmetric());
     if by_blocks
-        && let Some((z, alpha, iterations)) = by_block_pivoting(lcp, control)
+        && let Some((z, alpha, iterations)) = by_block_pivoting(lcp, scaling.as_ref(), control)
         && let Some(judged) = verify_point(n, lcp.a(), lcp.q(), &z, settings.tol)
     {
         let certificate = Some(Certificate::Solution { alpha: alpha.clone(), exact: None });
@@ -60,7 +61,6 @@ pub(super) fn solve_part(lcp: &Lcp, settings: &Settings, control: &Control<'_>) 
     if n > KERNEL_FIRST_UP_TO && lcp.is_symmetric() {
         return None;
     }
-    let scaling = (n > SCALED_FROM && is_unbalanced(lcp)).then(|| Scaling::new(lcp));
     match solve_scaled(n, lcp.a(), lcp.q(), scaling.as_ref(), settings.tol) {
         Answer::Solved(answer) => Some(solved(&answer)),
         Answer::Basis { alpha, iterations } => from_basis(lcp, scaling, alpha, iterations, settings.tol),
@@ -77,13 +77,22 @@ const FACTORISATIONS: usize = 8;
 /// Above this order, the kernel works on the equilibrated problem where A is unbalanced.
 const SCALED_FROM: usize = 16;
 
-/// z, its basis (its support, where blocks were shifted) and the number of factorisations of block pivoting, on the caller's
-/// numbers where they are balanced. Not verified.
-pub(super) fn by_block_pivoting(lcp: &Lcp, control: &Control<'_>) -> Option<(Vec<f64>, Vec<usize>, usize)> {
+/// The scaling with which to work, where the caller's numbers will not do.
+pub(super) fn scaling_if_unbalanced(lcp: &Lcp) -> Option<Scaling> {
+    (lcp.n() > SCALED_FROM && is_unbalanced(lcp)).then(|| Scaling::new(lcp))
+}
+
+/// z, its basis (its support, where blocks were shifted) and the number of factorisations of block pivoting, on the scaled
+/// problem where a scaling is given. Not verified.
+pub(super) fn by_block_pivoting(
+    lcp: &Lcp,
+    scaling: Option<&Scaling>,
+    control: &Control<'_>,
+) -> Option<(Vec<f64>, Vec<usize>, usize)> {
     if !is_for_blocks(lcp) {
         return None;
     }
-    let equilibrated = is_unbalanced(lcp).then(|| Equilibrated::new(lcp));
+    let equilibrated = scaling.map(|scaling| Equilibrated::with(lcp, scaling.clone()));
     let balanced = equilibrated.as_ref().map_or(lcp, |problem| &problem.lcp);
     let largest = (0..lcp.n()).fold(0.0_f64, |m, i| m.max(balanced.row(i)[i]));
     let options =

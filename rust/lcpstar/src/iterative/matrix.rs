@@ -44,19 +44,9 @@ impl<'a> Dense<'a> {
     /// Looks for symmetry, or copies the columns. O(n^2).
     #[must_use]
     pub fn new(lcp: &'a Lcp) -> Self {
-        let symmetric = is_symmetric(lcp);
+        let symmetric = lcp.is_symmetric();
         Self { lcp, transposed: (!symmetric).then(|| transposed(lcp)), zero: vec![0.0; lcp.n()] }
     }
-}
-
-/// Rows and columns compared tile by tile, so that a large matrix is read once.
-fn is_symmetric(lcp: &Lcp) -> bool {
-    let n = lcp.n();
-    (0..n).step_by(TILE).all(|top| {
-        (0..=top).step_by(TILE).all(|left| {
-            (top..(top + TILE).min(n)).all(|i| (left..(left + TILE).min(i)).all(|j| lcp.row(i)[j] == lcp.row(j)[i]))
-        })
-    })
 }
 
 fn transposed(lcp: &Lcp) -> Vec<f64> {
