@@ -110,6 +110,14 @@ def test_almost_solvable_is_not_solved(name):
     assert lcpstar.solve_batch([A], [q]).status[0] != "solved"
 
 
+@pytest.mark.parametrize("name", ["a basis of Lemke's method that a batch believed", "an error as large as q, in two rows"])
+def test_a_guess_on_which_q_is_lost_is_not_taken(name):
+    A, q = ALMOST[name]
+    for support in range(1, 2 ** len(q)):
+        z0 = [float(support >> i & 1) for i in range(len(q))]
+        assert lcpstar.solve(A, q, method="interior_point", z0=z0).status != "solved"
+
+
 def test_a_point_beside_which_nobody_sees_q():
     """ADMM diverges to z of 1e103 with A z = 0 nearly: w, computed in twice the working precision, is all rounding."""
     A = np.array([[-3, 3, -3, 3, -3, -3], [-3, 3, 0, 3, -3, 3], [3, 3, 3, 3, -3, 3], [3, 0, 0, 3, 3, 3],
