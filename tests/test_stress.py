@@ -110,7 +110,9 @@ def test_almost_solvable_is_not_solved(name):
     assert lcpstar.solve_batch([A], [q]).status[0] != "solved"
 
 
-@pytest.mark.parametrize("name", ["a basis of Lemke's method that a batch believed", "an error as large as q, in two rows"])
+@pytest.mark.parametrize(
+    "name", ["a basis of Lemke's method that a batch believed", "an error as large as q, in two rows"]
+)
 def test_a_guess_on_which_q_is_lost_is_not_taken(name):
     A, q = ALMOST[name]
     for support in range(1, 2 ** len(q)):
