@@ -42,7 +42,7 @@ def monotone_problems(corpus):
         if matrices.ndim == 2:
             matrices, vectors = matrices[None], vectors[None]
         for A, q in list(zip(matrices, vectors, strict=True))[::25]:
-            if 0 < len(q) <= 500 and is_monotone(A):
+            if 0 < len(q) <= 700 and is_monotone(A):
                 yield A, q
 
 

@@ -127,14 +127,18 @@ pub(super) fn finished_by_pivots(
     let limited = with_limit(control, 20 + lcp.n());
     for path in [lemke::lemke_from::<f64>, lemke::lemke_from::<Dd>] {
         let found = path(lcp, &alpha, &limited);
-        let pivots = found.iterations;
+        let (pivots, ended) = (found.iterations, found.termination);
         let mut found = certify(problem, found, solution.method, settings.tol);
         if found.status == Status::Solved && found.residual <= solution.residual {
             found.iterations = solution.iterations;
             found.message.push_str(&format!("; finished by {pivots} pivots of Lemke's method"));
             return found;
         }
-        if lcp.n() > DOUBLE_DOUBLE_UP_TO {
+        if matches!(ended, Termination::TimeLimit | Termination::Interrupted) && solution.status != Status::Solved {
+            let unfinished = Candidate::point(z, ended, solution.iterations);
+            return certify(problem, unfinished, solution.method, settings.tol);
+        }
+        if lcp.n() > FINISH_IN_DOUBLE_DOUBLE_UP_TO {
             break;
         }
     }
@@ -144,6 +148,8 @@ pub(super) fn finished_by_pivots(
 /// What the finish of the interior point method should leave, and what it may start from.
 const FINISHED: f64 = 1e-12;
 const NEARLY: f64 = 1e-6;
+/// Seconds at this order: from a support that is nearly right, a path has few pivots.
+const FINISH_IN_DOUBLE_DOUBLE_UP_TO: usize = 1000;
 
 /// Criss-cross in doubles, then in double-doubles where rounding hid a proof.
 pub(super) fn principal_pivoting(problem: &Equilibrated<'_>, tol: f64, control: &Control<'_>) -> Solution {

@@ -62,7 +62,10 @@ pub fn lemke<T: Real>(lcp: &Lcp, settings: &Settings, control: &Control<'_>) -> 
 pub fn lemke_from<T: Real>(lcp: &Lcp, alpha: &[usize], control: &Control<'_>) -> Candidate {
     let n = lcp.n();
     let mut dictionary = Dictionary::<T>::new(lcp, &vec![0.0; n]);
-    let start = dictionary.pivot_to(alpha);
+    let start = match dictionary.pivot_to(alpha, control) {
+        Ok(start) => start,
+        Err(reason) => return Candidate::point(vec![0.0; n], reason, 0),
+    };
     dictionary.restart(|_| 1.0);
     let solved = (0..n).all(|r| dictionary.value(r).to_f64() >= 0.0);
     let (termination, iterations, _) = if solved {

@@ -1,8 +1,10 @@
 //! A dictionary moved to another complementary basis, which then is where a path starts.
 
 use super::{Dictionary, Place};
+use crate::control::Control;
 use crate::pivoting::real::Real;
 use crate::pivoting::var::Var;
+use crate::status::Termination;
 
 /// A pivot of a principal block below this is left for the path to decide: on an equilibrated problem the block is
 /// singular there to within what its data are worth.
@@ -15,10 +17,17 @@ const LARGE: f64 = 0.1;
 impl<T: Real> Dictionary<T> {
     /// Makes `z_alpha` basic by principal pivots of order one and two, largest first, as far as `A[alpha, alpha]` is
     /// nonsingular; the indices made basic. O(n^2) for each. Only on a dictionary that has not been pivoted.
-    pub fn pivot_to(&mut self, alpha: &[usize]) -> Vec<usize> {
+    ///
+    /// # Errors
+    ///
+    /// The clock or the caller stopped it (`control`, whose iteration limit does not count here).
+    pub fn pivot_to(&mut self, alpha: &[usize], control: &Control<'_>) -> Result<Vec<usize>, Termination> {
         let mut left = alpha.to_vec();
         let mut done = Vec::with_capacity(alpha.len());
         while let Some((i, j)) = self.principal_pivot(&left) {
+            if let Some(reason) = control.expired() {
+                return Err(reason);
+            }
             // Column j still belongs to pair j, row i to pair i: what was exchanged is not in `left`.
             self.exchange(i, j);
             if i != j {
@@ -31,7 +40,7 @@ impl<T: Real> Dictionary<T> {
             }
         }
         done.sort_unstable();
-        done
+        Ok(done)
     }
 
     /// `(i, i)`, or `(i, j)` for a block of order two; `None` when all are singular.
@@ -101,7 +110,7 @@ mod tests {
         for alpha in [vec![], vec![0, 1], vec![1, 2], vec![0, 1, 2]] {
             let transform = principal_pivot_transform(&lcp, &alpha).expect("nonsingular");
             let mut dictionary = Dictionary::<Dd>::new(&lcp, &[0.0; 3]);
-            assert_eq!(dictionary.pivot_to(&alpha), alpha);
+            assert_eq!(dictionary.pivot_to(&alpha, &Control::default()), Ok(alpha.clone()));
             dictionary.restart(|_| 1.0);
             for r in 0..3 {
                 let Var::W(i) = dictionary.basic(r) else { unreachable!("all are called w") };
@@ -116,9 +125,17 @@ mod tests {
     }
 
     #[test]
+    fn it_asks_whether_to_stop() {
+        let lcp = Lcp::new(2, vec![2.0, 1.0, 1.0, 2.0], vec![-1.0, -1.0]).expect("valid");
+        let mut dictionary = Dictionary::<f64>::new(&lcp, &[0.0; 2]);
+        let stopped = Control { interrupted: Some(&|| true), ..Control::default() };
+        assert_eq!(dictionary.pivot_to(&[0, 1], &stopped), Err(Termination::Interrupted));
+    }
+
+    #[test]
     fn a_singular_block_is_taken_in_part() {
         let lcp = Lcp::new(2, vec![1.0; 4], vec![-1.0, -1.0]).expect("valid");
         let mut dictionary = Dictionary::<f64>::new(&lcp, &[0.0; 2]);
-        assert_eq!(dictionary.pivot_to(&[0, 1]).len(), 1);
+        assert_eq!(dictionary.pivot_to(&[0, 1], &Control::default()).map(|done| done.len()), Ok(1));
     }
 }
