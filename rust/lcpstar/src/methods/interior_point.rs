@@ -43,9 +43,8 @@ pub const DEFAULT_MAX_ITERATIONS: usize = 100;
 /// The finish is tried first at this residual, however small `tol` is; then each time the residual fell as much again.
 const FIRST_FINISH: f64 = 1e-9;
 const NEXT_FINISH: f64 = 1e-2;
-/// Its cheap half, one factorisation, is tried from this residual on, each time the residual fell as much again.
-const FIRST_QUICK: f64 = 1e-2;
-const NEXT_QUICK: f64 = 0.1;
+/// z_i and w_i within this factor of each other do not say yet which of them ends at zero.
+const DECIDED: f64 = 10.0;
 /// Steps below this ...
 const SHORT_STEP: f64 = 1e-3;
 /// ... this many times in a row end the method.
@@ -74,7 +73,7 @@ pub fn interior_point_sparse(lcp: &SparseLcp, settings: &Settings, control: &Con
 fn run(system: &mut impl Problem, settings: &Settings, control: &Control<'_>) -> Candidate {
     let mut iterate = start(system, settings.z0.as_deref());
     let mut finish_at = settings.tol.max(FIRST_FINISH);
-    let mut quick_at = FIRST_QUICK;
+    let mut last_try = Try { residual: 1e-3, undecided: system.n() / 5 + 1 };
     let mut best = Best::default();
     let mut short_steps = 0;
     let mut iteration = 0;
@@ -90,11 +89,11 @@ fn run(system: &mut impl Problem, settings: &Settings, control: &Control<'_>) ->
                 break Termination::Converged;
             }
             finish_at = residual * NEXT_FINISH;
-        } else if settings.finish && residual <= quick_at {
+        } else if settings.finish && last_try.is_worth_another(&iterate, residual) {
             if best.finish_quickly(system) && best.residual <= settings.tol {
                 break Termination::Converged;
             }
-            quick_at = residual * NEXT_QUICK;
+            last_try = Try { residual, undecided: undecided(&iterate) };
         }
         if iterate.tau < TAU_VANISHES * iterate.kappa
             && let Some(farkas) = system.farkas_vector(&iterate.z, &iterate.w)
@@ -141,6 +140,25 @@ fn start(problem: &impl Problem, z0: Option<&[f64]>) -> Iterate {
 const START: f64 = 0.3;
 /// A guess with a larger residual is no better than the cold start.
 const WARM: f64 = 1e-2;
+
+/// The cheap half of the finish, one factorisation, is tried when the support is clear, however large the residual:
+/// where it stood at the last try.
+struct Try {
+    residual: f64,
+    undecided: usize,
+}
+
+impl Try {
+    /// Less than half as many pairs are undecided, or the residual fell to a tenth.
+    fn is_worth_another(&self, iterate: &Iterate, residual: f64) -> bool {
+        residual <= 0.1 * self.residual || 2 * undecided(iterate) < self.undecided
+    }
+}
+
+/// How many pairs do not say yet which of them ends at zero. O(n).
+fn undecided(iterate: &Iterate) -> usize {
+    iterate.z.iter().zip(&iterate.w).filter(|&(&z, &w)| z < DECIDED * w && w < DECIDED * z).count()
+}
 
 /// The best point so far.
 struct Best {

@@ -16,6 +16,8 @@ const RANK: f64 = 1e-11;
 const SIGN: f64 = 1e-13;
 /// A rate of change below this does not block.
 const RATE: f64 = 1e-11;
+/// More wrong signs than the n-th part of all: another round would not mend the guess.
+const HOPELESS: usize = 8;
 /// A basic value below this fraction of the largest is zero.
 const ZERO: f64 = 1e-14;
 
@@ -52,7 +54,7 @@ pub fn semidefinite(lcp: &Lcp, z: &[f64], w: &[f64], rounds: usize) -> Option<Fi
             alpha.sort_unstable();
             return Some(measured(lcp, point, alpha, true));
         }
-        if wrong.len() >= fewest {
+        if wrong.len() >= fewest.min(n / HOPELESS + 2) {
             break;
         }
         fewest = wrong.len();
