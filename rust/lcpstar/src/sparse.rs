@@ -70,6 +70,21 @@ impl SparseLcp {
         (&self.columns[range.clone()], &self.values[range])
     }
 
+    /// The entries of a dense A that are not zero. O(n^2).
+    #[must_use]
+    pub fn from_dense(lcp: &Lcp) -> Self {
+        let n = lcp.n();
+        let (mut starts, mut columns, mut values) = (vec![0], Vec::new(), Vec::new());
+        for i in 0..n {
+            for (j, &a) in lcp.row(i).iter().enumerate().filter(|&(_, &a)| a != 0.0) {
+                columns.push(j);
+                values.push(a);
+            }
+            starts.push(columns.len());
+        }
+        Self { starts, columns, values, q: lcp.q().to_vec() }
+    }
+
     /// The same problem with a dense A. O(n^2).
     #[must_use]
     pub fn to_dense(&self) -> Lcp {

@@ -45,6 +45,9 @@ const FIRST_FINISH: f64 = 1e-9;
 const NEXT_FINISH: f64 = 1e-2;
 /// z_i and w_i within this factor of each other do not say yet which of them ends at zero.
 const DECIDED: f64 = 10.0;
+/// A basic point so many times larger than the iterate is that of a nearly singular block: where no solution exists, its
+/// size hides its errors.
+const FAR: f64 = 100.0;
 /// Steps below this ...
 const SHORT_STEP: f64 = 1e-3;
 /// ... this many times in a row end the method.
@@ -52,11 +55,28 @@ const SHORT_STEPS: usize = 3;
 /// `tau` below this fraction of `kappa`: look for a Farkas vector.
 const TAU_VANISHES: f64 = 1e-6;
 
-/// Solves an equilibrated LCP. O(n^3) an iteration: one factorisation.
+/// Solves an equilibrated LCP. O(n^3) an iteration: one factorisation, a sparse one where nearly all of a symmetric A is zero.
 #[must_use]
 pub fn interior_point(lcp: &Lcp, settings: &Settings, control: &Control<'_>) -> Candidate {
+    if is_nearly_empty(lcp) {
+        let sparse = SparseLcp::from_dense(lcp);
+        if let Some(system) = Sparse::new(&sparse) {
+            return run(&mut system.with_dense(lcp), settings, control);
+        }
+    }
     run(&mut Dense::new(lcp), settings, control)
 }
+
+/// Whether a sparse Cholesky factorisation is the better one. O(n^2).
+fn is_nearly_empty(lcp: &Lcp) -> bool {
+    let entries = || lcp.a().iter().filter(|&&a| a != 0.0).count();
+    lcp.n() >= SPARSE_FROM && lcp.is_symmetric() && SPARSE * entries() <= lcp.a().len()
+}
+
+/// From this order on, with at most one entry in so many not zero, a sparse factorisation costs no more than a dense one where
+/// the pattern is random, and 5 to 30 times less on a stack of boxes (measured).
+const SPARSE_FROM: usize = 200;
+const SPARSE: usize = 24;
 
 /// As [`interior_point`] for a sparse A; each iteration costs a sparse factorisation.
 #[must_use]
@@ -193,7 +213,9 @@ impl Best {
     }
 
     fn finish_quickly(&mut self, problem: &impl Problem) -> bool {
-        let found = problem.finish_quickly(&self.z, &self.w).filter(|found| found.residual <= self.residual);
+        let is_near = |found: &Finished| max_abs(&found.z) <= FAR * max_abs(&self.z).max(1.0);
+        let found = problem.finish_quickly(&self.z, &self.w);
+        let found = found.filter(|found| found.residual <= self.residual && is_near(found));
         let is_some = found.is_some();
         found.into_iter().for_each(|found| self.accept(found));
         is_some

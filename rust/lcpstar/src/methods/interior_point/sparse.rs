@@ -4,13 +4,16 @@ use super::system::{NewtonSystem, Problem};
 use crate::linalg::backend::SparseFactor;
 use crate::linalg::dd::{two_prod, two_sum};
 use crate::linalg::kernels::dot_compensated;
-use crate::pivoting::finish::{Finished, excess};
+use crate::pivoting::finish::{self, Finished, excess};
+use crate::problem::Lcp;
 use crate::residual::equilibrated_residual;
 use crate::sparse::SparseLcp;
 
 /// A sparse problem and its factorisations, which allocate what their fill needs.
 pub struct Sparse<'a> {
     lcp: &'a SparseLcp,
+    /// The same problem dense, where it was given so: for its finish.
+    dense: Option<&'a Lcp>,
     factor: SparseFactor,
     symmetric: bool,
 }
@@ -22,7 +25,13 @@ impl<'a> Sparse<'a> {
         let all: Vec<usize> = (0..lcp.n()).collect();
         let entries = block(lcp, &all);
         let symmetric = is_symmetric(&entries);
-        Some(Self { lcp, factor: SparseFactor::new(lcp.n(), &entries, symmetric)?, symmetric })
+        Some(Self { lcp, dense: None, factor: SparseFactor::new(lcp.n(), &entries, symmetric)?, symmetric })
+    }
+
+    /// With the finish of a dense problem, which is the same one.
+    #[must_use]
+    pub fn with_dense(self, lcp: &'a Lcp) -> Self {
+        Self { dense: Some(lcp), ..self }
     }
 }
 
@@ -109,6 +118,9 @@ impl Problem for Sparse<'_> {
     }
 
     fn finish(&self, z: &[f64], w: &[f64]) -> Option<Finished> {
+        if let Some(lcp) = self.dense {
+            return finish::finish(lcp, z, w, self.symmetric);
+        }
         let alpha: Vec<usize> = (0..self.lcp.n()).filter(|&i| z[i] > w[i]).collect();
         let entries = block(self.lcp, &alpha);
         let mut factor = SparseFactor::new(alpha.len(), &entries, false)?;
@@ -129,12 +141,15 @@ impl Problem for Sparse<'_> {
         (!residual.is_nan()).then_some(Finished { z: point, alpha, is_basis: true, residual })
     }
 
-    fn finish_quickly(&self, _z: &[f64], _w: &[f64]) -> Option<Finished> {
-        None
+    fn finish_quickly(&self, z: &[f64], w: &[f64]) -> Option<Finished> {
+        finish::finish_quickly(self.dense?, z, w, self.symmetric)
     }
 
     /// Polished on the dense matrix up to the order where that is affordable; beyond it the iterate itself is checked.
     fn farkas_vector(&self, z: &[f64], w: &[f64]) -> Option<Vec<f64>> {
+        if let Some(lcp) = self.dense {
+            return super::infeasible::farkas_vector(lcp, z, w);
+        }
         if self.lcp.n() <= DENSE_UP_TO {
             return super::infeasible::farkas_vector(&self.lcp.to_dense(), z, w);
         }
