@@ -45,9 +45,6 @@ const FIRST_FINISH: f64 = 1e-9;
 const NEXT_FINISH: f64 = 1e-2;
 /// z_i and w_i within this factor of each other do not say yet which of them ends at zero.
 const DECIDED: f64 = 10.0;
-/// A basic point so many times larger than the iterate is that of a nearly singular block: where no solution exists, its
-/// size hides its errors.
-const FAR: f64 = 100.0;
 /// Steps below this ...
 const SHORT_STEP: f64 = 1e-3;
 /// ... this many times in a row end the method.
@@ -101,6 +98,12 @@ fn run(system: &mut impl Problem, settings: &Settings, control: &Control<'_>) ->
         iterate.update_residuals(system);
         let residual = iterate.residual(system.q());
         best.offer(&iterate, residual);
+        if iterate.tau < TAU_VANISHES * iterate.kappa
+            && let Some(farkas) = system.farkas_vector(&iterate.z, &iterate.w)
+        {
+            let point = best.z_or(&iterate);
+            return Candidate { farkas: Some(farkas), ..Candidate::point(point, Termination::Infeasible, iteration) };
+        }
         if residual <= finish_at {
             if settings.finish {
                 best.finish(system);
@@ -114,12 +117,6 @@ fn run(system: &mut impl Problem, settings: &Settings, control: &Control<'_>) ->
                 break Termination::Converged;
             }
             last_try = Try { residual, undecided: undecided(&iterate) };
-        }
-        if iterate.tau < TAU_VANISHES * iterate.kappa
-            && let Some(farkas) = system.farkas_vector(&iterate.z, &iterate.w)
-        {
-            let point = best.z_or(&iterate);
-            return Candidate { farkas: Some(farkas), ..Candidate::point(point, Termination::Infeasible, iteration) };
         }
         if let Some(stop) = control.stop(iteration, DEFAULT_MAX_ITERATIONS) {
             break stop;
@@ -213,9 +210,7 @@ impl Best {
     }
 
     fn finish_quickly(&mut self, problem: &impl Problem) -> bool {
-        let is_near = |found: &Finished| max_abs(&found.z) <= FAR * max_abs(&self.z).max(1.0);
-        let found = problem.finish_quickly(&self.z, &self.w);
-        let found = found.filter(|found| found.residual <= self.residual && is_near(found));
+        let found = problem.finish_quickly(&self.z, &self.w).filter(|found| found.residual <= self.residual);
         let is_some = found.is_some();
         found.into_iter().for_each(|found| self.accept(found));
         is_some

@@ -5,7 +5,7 @@
 //! Nothing is believed here: each candidate is measured on the data, and only a better one replaces the point.
 
 use crate::linalg::backend::RowSpace;
-use crate::linalg::kernels::{axpy, dot};
+use crate::linalg::kernels::{axpy, dot, max_abs};
 use crate::pivoting::basis::basic_point;
 use crate::pivoting::semidefinite::semidefinite;
 use crate::problem::Lcp;
@@ -26,6 +26,9 @@ pub struct Finished {
 
 /// Residual at rounding level: the finish stops looking for better.
 pub(super) const ROUNDING: f64 = 1e-14;
+/// A z larger than q by the inverse of this belongs to a block that is singular to rounding: the rounding of `A z` hides q, and
+/// a problem without a solution seems to have one.
+const HIDES_Q: f64 = 1e-12;
 /// Block exchanges of wrong signs at most.
 const EXCHANGES: usize = 8;
 /// Ranks of the projection: entries of R below these fractions count as zero. From the likely to the cautious.
@@ -109,7 +112,8 @@ pub(super) fn measured(lcp: &Lcp, mut z: Vec<f64>, alpha: Vec<usize>, is_basis: 
     z.iter_mut().for_each(|x| *x = x.max(0.0));
     let (w, magnitude) = slack(lcp, &z);
     let residual = equilibrated_residual(&z, &w).max(excess(&z, &w, &magnitude));
-    let residual = if residual.is_nan() { f64::INFINITY } else { residual };
+    let is_lost = residual.is_nan() || HIDES_Q * max_abs(&z) > max_abs(lcp.q());
+    let residual = if is_lost { f64::INFINITY } else { residual };
     Finished { z, alpha, is_basis, residual }
 }
 
