@@ -54,6 +54,14 @@ impl<'a> Budget<'a> {
         if ticks.is_multiple_of(POLL_EVERY) { self.ask() } else { Ok(()) }
     }
 
+    /// As [`Budget::poll`], for a loop whose single steps take milliseconds.
+    ///
+    /// # Errors
+    /// As [`Budget::poll`].
+    pub fn poll_each(&self) -> Search<()> {
+        self.ask()
+    }
+
     /// Says how much there is to do, for the report of a stopped search.
     pub fn begin(&self, total: u64) {
         self.progress.set((0, total));

@@ -69,7 +69,7 @@ impl<'a> Family<'a> {
         let start: Vec<Generator> = generators.into_iter().map(|x| self.generator(x)).collect();
         let mut stack = vec![(start, None)];
         while let Some((part, pending)) = stack.pop() {
-            budget.poll()?;
+            budget.poll_each()?;
             // A facet is worked off before another one is chosen: a part on one side of it stays there, so it ends.
             let pending = pending.filter(|&facet| cut_edge(&part, facet).is_some());
             if pending.is_none()
@@ -152,4 +152,24 @@ fn centre(part: &[Generator], attempt: u32) -> Vec<Int> {
     }
     make_primitive(&mut x);
     x
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::budget::Stopped;
+    use super::*;
+    use std::time::Instant;
+
+    /// A part may take milliseconds: the clock is asked before the first one already.
+    #[test]
+    fn the_clock_is_asked_for_every_part() {
+        let unit = |i: i64| vec![Int::from(1 - i), Int::from(i)];
+        let members = [Member { label: 7, facets: vec![unit(0), unit(1)] }];
+        let family = Family::new(&members, &|_| true);
+        let orthant = || vec![unit(0), unit(1)];
+        let late = Budget::new(Some(Instant::now()), None);
+        assert!(matches!(family.cover(orthant(), &late), Err(Stopped::TimeLimit)));
+        let covering = family.cover(orthant(), &Budget::unlimited());
+        assert!(matches!(covering, Ok(Covering::Covered(steps)) if steps == [Step::Inside(7)]));
+    }
 }
