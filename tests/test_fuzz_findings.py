@@ -48,19 +48,31 @@ def ring(n, value, corner=0.0, far=0.0):
         ),
         # Entries of the Farkas vector became infinite in the caller's units.
         (ring(8, 1.0, far=5e-324) - np.diag(np.full(8, 6.0)), np.full(8, -4.0)),
+        # q_3 became zero when it was equilibrated, though every number is far from both ends: w = 0 for w_3 = q_3, proved.
+        (
+            np.array(
+                [
+                    [1.2223578507093907e-117, 0.0, 0.0],
+                    [1e140, 5.192296858534828e33, 0.0],
+                    [1.5930919111324523e-58, -1.5, 1.0],
+                ]
+            ),
+            np.array([1e140, 0.0, -5.147557589468029e-85]),
+        ),
     ],
 )
-@pytest.mark.parametrize("method", ["auto", "lemke", "interior_point", "bilinear", "batch"])
+@pytest.mark.parametrize("method", ["auto", "exact", "lemke", "interior_point", "bilinear", "batch"])
 def test_numbers_at_both_ends_of_the_doubles(A, q, method):
     n = len(q)
     if method == "batch":
         sols = lcpstar.solve_batch(A[None], q[None], alpha0=np.zeros((1, n), dtype=bool))
         z, w, solved = sols.z[0], sols.w[0], bool(sols.success[0])
     else:
-        solution = lcpstar.solve(A, q, method=method)
+        exact = {"certify": "exact", "time_limit": 5} if method == "exact" else {"method": method}
+        solution = lcpstar.solve(A, q, **exact)
         z, w, solved = solution.z, solution.w, solution.success
         if solution.status == "infeasible":
-            assert np.isfinite(solution.certificate.y).all()
+            assert np.isfinite(np.asarray(solution.certificate.y, float)).all()
     assert np.isfinite(z).all()
     assert (z >= 0).all()
     size = np.abs(A) @ z + np.abs(q)

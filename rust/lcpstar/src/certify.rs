@@ -8,7 +8,7 @@ use crate::linalg::kernels::max_abs;
 use crate::residual::{
     ABSOLUTE, equilibrated_residual, holds_alone, natural_residual, slack, slack_error, sparse_floor,
 };
-use crate::scaling::{Equilibrated, ORDINARY, Scaling};
+use crate::scaling::{Equilibrated, Scaling, are_ordinary};
 use crate::solution::{Candidate, Certificate, Ray, Solution};
 use crate::sparse::SparseLcp;
 use crate::status::{Status, Termination};
@@ -30,6 +30,33 @@ struct Judged {
 #[must_use]
 pub fn certify(problem: &Equilibrated<'_>, mut candidate: Candidate, method: &'static str, tol: f64) -> Solution {
     let judged = judge(problem, std::mem::take(&mut candidate.z), tol);
+    conclude_dense(problem, judged, candidate, method, tol)
+}
+
+/// As [`certify`], for a point in the caller's units, which may have no place among doubles in those of the equilibrated problem.
+#[must_use]
+pub fn certify_callers(
+    problem: &Equilibrated<'_>,
+    z: Vec<f64>,
+    candidate: Candidate,
+    method: &'static str,
+    tol: f64,
+) -> Solution {
+    let judged = if problem.is_ordinary && are_ordinary(&z) {
+        judge(problem, problem.scaling.z_from_caller(&z), tol)
+    } else {
+        extreme::judge(problem, z, tol)
+    };
+    conclude_dense(problem, judged, candidate, method, tol)
+}
+
+fn conclude_dense(
+    problem: &Equilibrated<'_>,
+    judged: Judged,
+    mut candidate: Candidate,
+    method: &'static str,
+    tol: f64,
+) -> Solution {
     let ray = candidate.ray.as_ref().map(|ray| ray_to_caller(problem, ray));
     let certificate = if judged.solves {
         None
@@ -82,10 +109,10 @@ fn conclude(
 /// Recomputes `w`, both residuals and the row tests. Negative entries of `z` are set to zero first.
 fn judge(problem: &Equilibrated<'_>, z: Vec<f64>, tol: f64) -> Judged {
     let judged = judge_point(&problem.scaling, max_abs(problem.original.q()), z, tol, None, |z| slack(&problem.lcp, z));
-    if problem.is_ordinary && judged.z.iter().all(|&z| z == 0.0 || ORDINARY.contains(&z)) {
+    if problem.is_ordinary && are_ordinary(&judged.z) {
         return judged;
     }
-    extreme::judge(problem, judged, tol)
+    extreme::judge(problem, judged.z, tol)
 }
 
 /// As [`judge`], for any way to compute `w'` and its rounding scale; with `q'` where A is sparse.

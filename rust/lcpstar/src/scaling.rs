@@ -27,15 +27,23 @@ pub struct Equilibrated<'a> {
     pub lcp: Lcp,
     /// How the one became the other.
     pub scaling: Scaling,
-    /// Whether every number of both is zero or in [`ORDINARY`]: then no product or sum of a few overflows or loses digits.
+    /// Whether every number of both is in [`ORDINARY`], or zero in both: then no product or sum of a few overflows or loses
+    /// digits.
     pub is_ordinary: bool,
 }
 
 /// Sizes whose products stay far from both ends of the range of doubles.
 pub const ORDINARY: std::ops::Range<f64> = 1e-150..1e150;
 
-fn are_ordinary(x: &[f64]) -> bool {
+/// Whether each is zero or in [`ORDINARY`], whatever its sign.
+#[must_use]
+pub fn are_ordinary(x: &[f64]) -> bool {
     kernels::all_zero_or_within(x, ORDINARY.start, ORDINARY.end)
+}
+
+/// Whether a number became zero by underflow.
+fn vanishes(original: &[f64], scaled: &[f64]) -> bool {
+    original.iter().zip(scaled).fold(false, |found, (&x, &y)| found | ((x != 0.0) & (y == 0.0)))
 }
 
 /// `x 2^e`, exact unless the result leaves the range of doubles.
@@ -261,12 +269,13 @@ impl<'a> Equilibrated<'a> {
     pub fn with(original: &'a Lcp, scaling: Scaling) -> Self {
         let q: Vec<f64> =
             original.q().iter().zip(&scaling.rows).map(|(&x, r)| times_power_of_two(x, r + scaling.q)).collect();
-        let mut is_ordinary = [original.a(), original.q(), &q].into_iter().all(are_ordinary);
+        let mut is_ordinary =
+            [original.a(), original.q(), &q].into_iter().all(are_ordinary) && !vanishes(original.q(), &q);
         let lcp = if scaling.rows.iter().chain(&scaling.columns).all(|&e| e == 0) {
             original.with_q(q)
         } else {
             let a = scaled_matrix(original, &scaling);
-            is_ordinary &= are_ordinary(&a);
+            is_ordinary &= are_ordinary(&a) && !vanishes(original.a(), &a);
             Lcp::trusted(original.n(), a, q)
         };
         Self { original, lcp, scaling, is_ordinary }

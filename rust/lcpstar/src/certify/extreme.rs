@@ -36,9 +36,9 @@ fn rows(lcp: &Lcp, z: &[f64]) -> Vec<(Scaled, Scaled)> {
     (0..lcp.n()).map(row).collect()
 }
 
-/// Judges the caller's point of `found` again; where z or w overflows, z = 0 takes its place.
-pub(super) fn judge(problem: &Equilibrated<'_>, found: Judged, tol: f64) -> Judged {
-    let measured = measure(problem, found.z, tol);
+/// Judges a point of the caller's; where z or w overflows, z = 0 takes its place.
+pub(super) fn judge(problem: &Equilibrated<'_>, z: Vec<f64>, tol: f64) -> Judged {
+    let measured = measure(problem, z, tol);
     if measured.z.iter().chain(&measured.w).all(|x| x.is_finite()) && measured.natural_residual.is_finite() {
         return measured;
     }

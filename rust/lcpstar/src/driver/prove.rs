@@ -4,7 +4,7 @@
 //! said ([`check_farkas`], [`check_solution`]): one look at the numbers, whatever became of them on the way. Only the equations
 //! of a basis that [`prove_solution`] accepts are not: the p-adic solve has proved them.
 
-use crate::certify::certify;
+use crate::certify::certify_callers;
 use crate::control::Control;
 use crate::exact::dyadic::RationalVec;
 use crate::exact::face::{prove_by_programme, prove_tight};
@@ -209,12 +209,11 @@ fn by_exact_path(problem: &Equilibrated<'_>, mut solution: Solution, tol: f64, s
 
 /// The verdict on the exact solution, rounded to doubles, with the exact numbers as certificate.
 fn proved(problem: &Equilibrated<'_>, found: &Solution, exact: ExactSolution, tol: f64) -> Solution {
-    let z = problem.scaling.z_from_caller(&exact.z.to_f64());
     let candidate = Candidate {
         alpha: Some(exact.alpha.clone()),
-        ..Candidate::point(z, Termination::ComplementaryBasis, found.iterations)
+        ..Candidate::point(vec![], Termination::ComplementaryBasis, found.iterations)
     };
-    let mut solution = certify(problem, candidate, found.method, tol);
+    let mut solution = certify_callers(problem, exact.z.to_f64(), candidate, found.method, tol);
     let how = if solution.status == Status::Solved {
         "; proved in exact arithmetic"
     } else {
