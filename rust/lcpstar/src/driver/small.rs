@@ -3,7 +3,7 @@
 use super::anytime::LOOSE;
 use super::pieces::{self, subproblem};
 use super::portfolio::SHIFT;
-use super::{Certify, Method, Settings, doubt, support};
+use super::{Certify, Method, Settings, check_common, doubt, support};
 use crate::certify::certify;
 use crate::control::Control;
 use crate::methods::block_pivoting;
@@ -22,6 +22,9 @@ pub(super) fn solve(lcp: &Lcp, settings: &Settings, control: &Control<'_>) -> Op
     if n > TINY_ORDER || !is_plain(settings, control) {
         return None;
     }
+    if settings.z0.is_some() {
+        return from_guess(lcp, settings);
+    }
     if n > KERNEL_FIRST_UP_TO && settings.tol >= LOOSE {
         return None;
     }
@@ -34,17 +37,32 @@ pub(super) fn solve(lcp: &Lcp, settings: &Settings, control: &Control<'_>) -> Op
 /// Whether nothing but a solution within `tol` is asked for.
 fn is_plain(settings: &Settings, control: &Control<'_>) -> bool {
     matches!(settings.method, Method::Auto)
-        && settings.z0.is_none()
         && settings.certify == Certify::Float
         && settings.tol > 0.0
         && settings.tol < 1.0
         && control.max_iterations.is_none()
 }
 
+/// The basis of the support of `z0` on the caller's own numbers, if it solves the problem as it is: one factorisation.
+fn from_guess(lcp: &Lcp, settings: &Settings) -> Option<Solution> {
+    let n = lcp.n();
+    if n < GUESS_FROM || check_common(n, settings).is_err() {
+        return None;
+    }
+    let alpha = support(settings.z0.as_deref()?);
+    let z: Vec<f64> = basic_point(lcp, &alpha)?.iter().map(|z| z.max(0.0)).collect();
+    let judged = verify_point(n, lcp.a(), lcp.q(), &z, settings.tol)?;
+    let certificate = Some(Certificate::Solution { alpha: alpha.clone(), exact: None });
+    Some(Solution { method: "warm_start", iterations: 0, certificate, alpha, ..solved(&judged) })
+}
+
+/// Below this order a guess is doubted, which takes longer: see [`doubt`].
+const GUESS_FROM: usize = 17;
+
 /// As [`solve`], for a problem that presolve has left in one part.
 pub(super) fn solve_part(lcp: &Lcp, settings: &Settings, control: &Control<'_>) -> Option<Solution> {
     let n = lcp.n();
-    if n > TINY_ORDER || !is_plain(settings, control) {
+    if n > TINY_ORDER || settings.z0.is_some() || !is_plain(settings, control) {
         return None;
     }
     let scaling = scaling_if_unbalanced(lcp);
