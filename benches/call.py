@@ -1,11 +1,50 @@
-"""What one call of `lcpstar.solve` costs from Python, beside QuantEcon's `lcp_lemke`: `python benches/call.py`."""
+"""What one call of `lcpstar.solve` costs from Python, beside QuantEcon's `lcp_lemke`, and how calls in two threads scale:
+`python benches/call.py`."""
 
 from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable
+
+import numpy as np
 
 import lcpstar
 from harness import residual, seconds_per_call, write_record
 from lcpstar.problems import random_pd, random_spd
 from peers import available
+
+
+def elapsed(work: Callable[[], None], threads: int) -> float:
+    """Wall clock while each of so many threads does the work once."""
+    workers = [threading.Thread(target=work) for _ in range(threads)]
+    start = time.perf_counter()
+    for worker in workers:
+        worker.start()
+    for worker in workers:
+        worker.join()
+    return time.perf_counter() - start
+
+
+def scaling(work: Callable[[], None]) -> float:
+    """Work per second of two threads by that of one; the median of seven."""
+    work()
+    return float(np.median([2 * elapsed(work, 1) / elapsed(work, 2) for _ in range(7)]))
+
+
+def two_threads() -> tuple[str, list[dict[str, float | int]]]:
+    lines = ["| random_pd, n | two threads by one |", "| --- | --- |"]
+    data = []
+    for n, calls in ((16, 20_000), (32, 10_000), (64, 4000), (128, 1000), (200, 500), (500, 40)):
+        A, q = random_pd(n, seed=1)
+
+        def work(A=A, q=q, calls=calls):
+            for _ in range(calls):
+                lcpstar.solve(A, q)
+
+        data.append({"n": n, "scaling": scaling(work)})
+        lines.append(f"| {n} | {data[-1]['scaling']:.2f} |")
+    return "\n".join(lines), data
 
 
 def main() -> None:
@@ -25,7 +64,13 @@ def main() -> None:
                 f"| {family.__name__} | {n} | {1e6 * ours:.2f} us | {1e6 * beside:.2f} us | {beside / ours:.2f} |"
             )
             data.append({"family": family.__name__, "n": n, "times": times})
-    write_record("call", "One call of solve", "python benches/call.py", "\n".join(lines), data)
+    threads, thread_data = two_threads()
+    body = (
+        "\n".join(lines) + "\n\n## Two threads of one interpreter\n\n"
+        "Wall clock, on two cores. Up to n = 16 a call holds the interpreter's lock: it takes less time than handing the "
+        f"lock over would; `solve_batch` is for those.\n\n{threads}"
+    )
+    write_record("call", "One call of solve", "python benches/call.py", body, {"calls": data, "threads": thread_data})
 
 
 if __name__ == "__main__":
