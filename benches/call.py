@@ -1,5 +1,5 @@
-"""What one call of `lcpstar.solve` costs from Python, beside QuantEcon's `lcp_lemke`, and how calls in two threads scale:
-`python benches/call.py`."""
+"""What one call of `lcpstar.solve` costs from Python, beside QuantEcon's `lcp_lemke`, and how calls in two threads
+scale: `python benches/call.py`."""
 
 from __future__ import annotations
 
@@ -67,8 +67,8 @@ def main() -> None:
     threads, thread_data = two_threads()
     body = (
         "\n".join(lines) + "\n\n## Two threads of one interpreter\n\n"
-        "Wall clock, on two cores. Up to n = 16 a call holds the interpreter's lock: it takes less time than handing the "
-        f"lock over would; `solve_batch` is for those.\n\n{threads}"
+        "Wall clock, on two cores. Up to n = 16 a call holds the interpreter's lock: it takes less time than handing "
+        f"the lock over would; `solve_batch` is for those.\n\n{threads}"
     )
     write_record("call", "One call of solve", "python benches/call.py", body, {"calls": data, "threads": thread_data})
 
