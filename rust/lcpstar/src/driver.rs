@@ -181,6 +181,12 @@ pub fn solve_briefly(lcp: &Lcp, settings: &Settings, control: &Control<'_>) -> O
     small::solve(lcp, settings, control)
 }
 
+/// The first step of [`solve`] where a guess is given: what that and a few exchanges solve. `None` says nothing about the problem
+/// or the settings.
+pub(crate) fn solve_from_guess(lcp: &Lcp, settings: &Settings) -> Option<Solution> {
+    small::from_guess(lcp, settings)
+}
+
 /// Order up to which [`solve_briefly`] takes microseconds: too short for a lock to be handed over.
 pub const BRIEF_UP_TO: usize = 16;
 

@@ -8,6 +8,7 @@ use crate::driver::{self, doubt};
 use crate::error::{LcpError, Result};
 use crate::problem::Lcp;
 use crate::scaling::Equilibrated;
+use crate::small::TINY_ORDER;
 #[cfg(target_arch = "x86_64")]
 use crate::small::avx::{Ymm2, Zmm, ZmmS};
 #[cfg(target_arch = "x86_64")]
@@ -177,18 +178,28 @@ impl<X: Lane<Number = f64>> Worker<X> {
         for &k in &self.waiting {
             let place = task.first + k;
             task.problems.copy(place, &mut self.a, &mut self.q);
-            let range = k * n..(k + 1) * n;
-            let guessed = !matches!(settings.guess, Guess::None);
-            if guessed && (n > GUESS_ORDER || !by_lemke) {
+            // Up to `GUESS_ORDER` the lanes have tried the guess.
+            let guessed = !matches!(settings.guess, Guess::None) && (n > GUESS_ORDER || !by_lemke);
+            let mut lcp = None;
+            if guessed {
                 let z0 = (0..n).map(|i| f64::from(u8::from(settings.guess.contains(n, place, i, false)))).collect();
                 general.z0 = Some(z0);
-            } else if by_lemke {
+                let given = self.problem(place)?;
+                let solution = if by_lemke { driver::solve_from_guess(&given, &general) } else { None };
+                if let Some(solution) = solution {
+                    write(output, n, k, &solution);
+                    continue;
+                }
+                lcp = Some(given);
+            }
+            let by_lemke = by_lemke && (!guessed || n <= TINY_ORDER);
+            if by_lemke {
                 let judged = self.basis.solve_and_verify(n, &self.a, &self.q, &mut self.w, settings.tol);
                 if let Some(judged) = judged {
                     for i in 0..n {
                         output.z[k * n + i] = self.basis.z(i);
                     }
-                    output.w[range].copy_from_slice(&self.w);
+                    output.w[k * n..(k + 1) * n].copy_from_slice(&self.w);
                     output.status[k] = Status::Solved as u8;
                     output.method[k] = LEMKE;
                     output.iterations[k] = self.basis.pivots as u32;
@@ -198,25 +209,23 @@ impl<X: Lane<Number = f64>> Worker<X> {
                     continue;
                 }
             }
-            let lcp = Lcp::new(n, self.a.clone(), self.q.clone()).map_err(|error| in_batch(error, place))?;
-            let solution = match self.unverified_point(by_lemke && !guessed, &lcp, settings.tol) {
+            let lcp = lcp.map_or_else(|| self.problem(place), Ok)?;
+            let solution = match self.unverified_point(by_lemke, &lcp, settings.tol) {
                 Some(solution) => solution,
                 None => driver::solve(&lcp, &general, &control).map_err(|error| in_batch(error, place))?,
             };
-            output.z[range.clone()].copy_from_slice(&solution.z);
-            output.w[range].copy_from_slice(&solution.w);
-            output.status[k] = solution.status as u8;
-            output.method[k] = method_code(solution.method);
-            output.iterations[k] = u32::try_from(solution.iterations).unwrap_or(u32::MAX);
-            output.residual[k] = solution.residual;
-            output.natural_residual[k] = solution.natural_residual;
-            output.alpha.write(n, k, |i| solution.alpha.contains(&i));
+            write(output, n, k, &solution);
         }
         Ok(())
     }
 }
 
 impl<X: Lane<Number = f64>> Worker<X> {
+    /// The problem that was copied last, from that place of the batch.
+    fn problem(&self, place: usize) -> Result<Lcp> {
+        Lcp::new(self.n, self.a.clone(), self.q.clone()).map_err(|error| in_batch(error, place))
+    }
+
     /// A basis that Lemke's method found and could not verify row by row, judged on the equilibrated problem; the general
     /// solver is asked where there is doubt.
     fn unverified_point(&self, tried: bool, lcp: &Lcp, tol: f64) -> Option<Solution> {
@@ -231,6 +240,19 @@ impl<X: Lane<Number = f64>> Worker<X> {
         let solution = certify(&problem, Candidate { alpha: Some(alpha), ..point }, METHODS[usize::from(LEMKE)], tol);
         (solution.status == Status::Solved && !doubt::misses_q(lcp, &solution)).then_some(solution)
     }
+}
+
+/// The general solver's answer to problem k of a chunk.
+fn write(output: &mut Output<'_>, n: usize, k: usize, solution: &Solution) {
+    let range = k * n..(k + 1) * n;
+    output.z[range.clone()].copy_from_slice(&solution.z);
+    output.w[range].copy_from_slice(&solution.w);
+    output.status[k] = solution.status as u8;
+    output.method[k] = method_code(solution.method);
+    output.iterations[k] = u32::try_from(solution.iterations).unwrap_or(u32::MAX);
+    output.residual[k] = solution.residual;
+    output.natural_residual[k] = solution.natural_residual;
+    output.alpha.write(n, k, |i| solution.alpha.contains(&i));
 }
 
 /// The error with the position in the batch before the position in the array.
