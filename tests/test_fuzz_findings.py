@@ -48,7 +48,7 @@ def ring(n, value, corner=0.0, far=0.0):
         ),
         # Entries of the Farkas vector became infinite in the caller's units.
         (ring(8, 1.0, far=5e-324) - np.diag(np.full(8, 6.0)), np.full(8, -4.0)),
-        # q_3 became zero when it was equilibrated, though every number is far from both ends: w = 0 for w_3 = q_3, proved.
+        # q_3 became zero when it was equilibrated, though no number is near the ends: w = 0 for w_3 = q_3, proved.
         (
             np.array(
                 [
