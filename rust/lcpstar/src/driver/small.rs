@@ -6,7 +6,6 @@ use super::portfolio::SHIFT;
 use super::{Certify, Method, Settings, check_common, doubt, support};
 use crate::certify::certify;
 use crate::control::Control;
-use crate::linalg::kernels;
 use crate::methods::block_pivoting;
 use crate::pivoting::basis::basic_point;
 use crate::presolve::{self, Plan};
@@ -47,42 +46,30 @@ fn is_plain(settings: &Settings, control: &Control<'_>) -> bool {
         && control.max_iterations.is_none()
 }
 
-/// The basis of the support of `z0` on the caller's own numbers, then those reached by exchanging every index with the wrong sign,
-/// while their number falls: one factorisation where the guess is right, two where it is nearly right. Then `z0` itself, whose
-/// support may be singular. For what is left, the kernel's pivots cost less than a path from the guess. `None` says nothing about
-/// the problem or the settings.
+/// A few exchanges of block pivoting from the support of `z0` on the caller's own numbers: one factorisation where it is right, two or
+/// three where it is nearly right. Then `z0` itself, whose support may be singular. For what is left, the kernel's pivots cost less
+/// than a path from the guess. `None` says nothing about the problem or the settings.
 pub(super) fn from_guess(lcp: &Lcp, settings: &Settings) -> Option<Solution> {
     let n = lcp.n();
     let z0 = settings.z0.as_deref().filter(|_| n <= TINY_ORDER)?;
-    let verified = |z: &[f64], alpha: &[usize], iterations: usize| {
+    let verified = |z: &[f64], alpha: Vec<usize>, iterations: usize| {
         let judged = verify_point(n, lcp.a(), lcp.q(), z, settings.tol)?;
-        let certificate = Some(Certificate::Solution { alpha: alpha.to_vec(), exact: None });
-        Some(Solution { method: "warm_start", iterations, certificate, alpha: alpha.to_vec(), ..solved(&judged) })
+        let certificate = Some(Certificate::Solution { alpha: alpha.clone(), exact: None });
+        Some(Solution { method: "warm_start", iterations, certificate, alpha, ..solved(&judged) })
     };
-    let mut alpha = support(z0);
-    let (mut w, mut fewest, mut iterations) = (vec![0.0; n], n / HOPELESS + 1, 0);
-    while let Some(mut z) = basic_point(lcp, &alpha) {
-        kernels::affine(lcp.q(), lcp.a(), &z, &mut w);
-        let mut inside = vec![false; n];
-        alpha.iter().for_each(|&i| inside[i] = true);
-        let wrong: Vec<usize> = (0..n).filter(|&i| if inside[i] { z[i] < 0.0 } else { w[i] < 0.0 }).collect();
-        z.iter_mut().for_each(|z| *z = z.max(0.0));
-        if let Some(solution) = verified(&z, &alpha, iterations) {
-            return Some(solution);
-        }
-        if wrong.is_empty() || wrong.len() >= fewest {
-            break;
-        }
-        fewest = wrong.len();
-        iterations += wrong.len();
-        wrong.iter().for_each(|&i| inside[i] = !inside[i]);
-        alpha = (0..n).filter(|&i| inside[i]).collect();
-    }
-    verified(z0, &support(z0), 0)
+    let options =
+        block_pivoting::Settings { alpha: Some(support(z0)), patience: 1, ..block_pivoting::Settings::default() };
+    let limit = Control::default().with_max_iterations(Some(GUESS_FACTORISATIONS));
+    let found = block_pivoting::block_pivoting(lcp, &options, &limit);
+    let basis = found.alpha.and_then(|alpha| {
+        let z: Vec<f64> = found.z.iter().map(|z| z.max(0.0)).collect();
+        verified(&z, alpha, found.iterations - 1)
+    });
+    basis.or_else(|| verified(z0, support(z0), 0))
 }
 
-/// More wrong signs than the n-th part of all: the guess is not nearly right.
-const HOPELESS: usize = 4;
+/// Factorisations granted to a guess.
+const GUESS_FACTORISATIONS: usize = 4;
 /// Below this order a basis tried at once is doubted, which takes longer: see [`doubt`].
 const GUESS_FROM: usize = 17;
 
