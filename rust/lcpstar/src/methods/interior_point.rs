@@ -57,8 +57,8 @@ const TAU_VANISHES: f64 = 1e-6;
 pub fn interior_point(lcp: &Lcp, settings: &Settings, control: &Control<'_>) -> Candidate {
     if is_nearly_empty(lcp) {
         let sparse = SparseLcp::from_dense(lcp);
-        if let Some(system) = Sparse::new(&sparse) {
-            return run(&mut system.with_dense(lcp), settings, control);
+        if let Some(mut system) = Sparse::of_dense(&sparse, lcp) {
+            return run(&mut system, settings, control);
         }
     }
     run(&mut Dense::new(lcp), settings, control)
@@ -112,11 +112,14 @@ fn run(system: &mut impl Problem, settings: &Settings, control: &Control<'_>) ->
                 break Termination::Converged;
             }
             finish_at = residual * NEXT_FINISH;
-        } else if settings.finish && last_try.is_worth_another(&iterate, residual) {
-            if best.finish_quickly(system) && best.residual <= settings.tol {
-                break Termination::Converged;
+        } else if settings.finish {
+            let this_try = Try::of(&iterate, residual);
+            if this_try.is_worth_it_after(&last_try) {
+                if best.finish_quickly(system) && best.residual <= settings.tol {
+                    break Termination::Converged;
+                }
+                last_try = this_try;
             }
-            last_try = Try { residual, undecided: undecided(&iterate) };
         }
         if let Some(stop) = control.stop(iteration, DEFAULT_MAX_ITERATIONS) {
             break stop;
@@ -158,23 +161,24 @@ const START: f64 = 0.3;
 /// A guess with a larger residual is no better than the cold start.
 const WARM: f64 = 1e-2;
 
-/// The cheap half of the finish, one factorisation, is tried when the support is clear, however large the residual:
-/// where it stood at the last try.
+/// The cheap half of the finish, one factorisation, is tried when the support is clear, however large the residual.
 struct Try {
     residual: f64,
+    /// Pairs that do not say yet which of the two ends at zero.
     undecided: usize,
 }
 
 impl Try {
-    /// Less than half as many pairs are undecided, or the residual fell to a tenth.
-    fn is_worth_another(&self, iterate: &Iterate, residual: f64) -> bool {
-        residual <= 0.1 * self.residual || 2 * undecided(iterate) < self.undecided
+    /// O(n).
+    fn of(iterate: &Iterate, residual: f64) -> Self {
+        let is_undecided = |&(&z, &w): &(&f64, &f64)| z < DECIDED * w && w < DECIDED * z;
+        Self { residual, undecided: iterate.z.iter().zip(&iterate.w).filter(is_undecided).count() }
     }
-}
 
-/// How many pairs do not say yet which of them ends at zero. O(n).
-fn undecided(iterate: &Iterate) -> usize {
-    iterate.z.iter().zip(&iterate.w).filter(|&(&z, &w)| z < DECIDED * w && w < DECIDED * z).count()
+    /// Less than half as many pairs are undecided, or the residual fell to a tenth.
+    fn is_worth_it_after(&self, last: &Self) -> bool {
+        self.residual <= 0.1 * last.residual || 2 * self.undecided < last.undecided
+    }
 }
 
 /// The best point so far.

@@ -111,10 +111,16 @@ fn exchange(lcp: &Lcp, mut alpha: Vec<usize>, rounds: usize) -> Option<Finished>
 pub(super) fn measured(lcp: &Lcp, mut z: Vec<f64>, alpha: Vec<usize>, is_basis: bool) -> Finished {
     z.iter_mut().for_each(|x| *x = x.max(0.0));
     let (w, magnitude) = slack(lcp, &z);
-    let residual = equilibrated_residual(&z, &w).max(excess(&z, &w, &magnitude));
-    let is_lost = residual.is_nan() || HIDES_Q * max_abs(&z) > max_abs(lcp.q());
-    let residual = if is_lost { f64::INFINITY } else { residual };
+    let residual = residual(lcp.q(), &z, &w, &magnitude);
     Finished { z, alpha, is_basis, residual }
+}
+
+/// The larger of the equilibrated residual and the [`excess`]; infinite where z says nothing about q.
+#[must_use]
+pub fn residual(q: &[f64], z: &[f64], w: &[f64], magnitude: &[f64]) -> f64 {
+    let residual = equilibrated_residual(z, w).max(excess(z, w, magnitude));
+    let is_lost = residual.is_nan() || HIDES_Q * max_abs(z) > max_abs(q);
+    if is_lost { f64::INFINITY } else { residual }
 }
 
 /// `max_i |min(z_i, w_i)|` beyond the rounding `8 eps (|A||z| + |q|)_i` of its row: unlike the equilibrated residual it

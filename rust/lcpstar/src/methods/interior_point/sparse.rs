@@ -4,9 +4,8 @@ use super::system::{NewtonSystem, Problem};
 use crate::linalg::backend::SparseFactor;
 use crate::linalg::dd::{two_prod, two_sum};
 use crate::linalg::kernels::dot_compensated;
-use crate::pivoting::finish::{self, Finished, excess};
+use crate::pivoting::finish::{self, Finished};
 use crate::problem::Lcp;
-use crate::residual::equilibrated_residual;
 use crate::sparse::SparseLcp;
 
 /// A sparse problem and its factorisations, which allocate what their fill needs.
@@ -22,16 +21,17 @@ impl<'a> Sparse<'a> {
     /// Finds the ordering. `None` when the matrix is too large to index.
     #[must_use]
     pub fn new(lcp: &'a SparseLcp) -> Option<Self> {
-        let all: Vec<usize> = (0..lcp.n()).collect();
-        let entries = block(lcp, &all);
+        let entries = block(lcp, &(0..lcp.n()).collect::<Vec<_>>());
         let symmetric = is_symmetric(&entries);
         Some(Self { lcp, dense: None, factor: SparseFactor::new(lcp.n(), &entries, symmetric)?, symmetric })
     }
 
-    /// With the finish of a dense problem, which is the same one.
+    /// As [`new`](Self::new) for the entries of a dense problem, whose finish it gets.
     #[must_use]
-    pub fn with_dense(self, lcp: &'a Lcp) -> Self {
-        Self { dense: Some(lcp), ..self }
+    pub fn of_dense(lcp: &'a SparseLcp, dense: &'a Lcp) -> Option<Self> {
+        let entries = block(lcp, &(0..lcp.n()).collect::<Vec<_>>());
+        let symmetric = dense.is_symmetric();
+        Some(Self { lcp, dense: Some(dense), factor: SparseFactor::new(lcp.n(), &entries, symmetric)?, symmetric })
     }
 }
 
@@ -137,8 +137,8 @@ impl Problem for Sparse<'_> {
         }
         point.iter_mut().for_each(|x| *x = x.max(0.0));
         let (w, magnitude) = self.lcp.slack(&point);
-        let residual = equilibrated_residual(&point, &w).max(excess(&point, &w, &magnitude));
-        (!residual.is_nan()).then_some(Finished { z: point, alpha, is_basis: true, residual })
+        let residual = finish::residual(self.lcp.q(), &point, &w, &magnitude);
+        Some(Finished { z: point, alpha, is_basis: true, residual })
     }
 
     fn finish_quickly(&self, z: &[f64], w: &[f64]) -> Option<Finished> {
