@@ -192,8 +192,9 @@ impl<X: Lane<Number = f64>> Worker<X> {
                 }
                 lcp = Some(given);
             }
-            let by_lemke = by_lemke && (!guessed || n <= TINY_ORDER);
-            if by_lemke {
+            // Above it, the general solver's path from the guess is the cheaper one.
+            let by_kernel = by_lemke && (!guessed || n <= TINY_ORDER);
+            if by_kernel {
                 let judged = self.basis.solve_and_verify(n, &self.a, &self.q, &mut self.w, settings.tol);
                 if let Some(judged) = judged {
                     for i in 0..n {
@@ -210,7 +211,7 @@ impl<X: Lane<Number = f64>> Worker<X> {
                 }
             }
             let lcp = lcp.map_or_else(|| self.problem(place), Ok)?;
-            let solution = match self.unverified_point(by_lemke, &lcp, settings.tol) {
+            let solution = match self.unverified_point(by_kernel, &lcp, settings.tol) {
                 Some(solution) => solution,
                 None => driver::solve(&lcp, &general, &control).map_err(|error| in_batch(error, place))?,
             };
