@@ -174,14 +174,15 @@ def solve_batch(
     threads: int,
     guess: NDArray[np.uint64] | NDArray[np.bool_] | NDArray[np.float64] | None,
     polish: bool,
-) -> tuple[
-    NDArray[np.float64],
-    NDArray[np.float64],
-    NDArray[np.uint8],
-    NDArray[np.uint8],
-    NDArray[np.uint32],
-    NDArray[np.float64],
-    NDArray[np.float64],
-    Any,
-]: ...
+    results: tuple[
+        NDArray[np.float64],
+        NDArray[np.float64],
+        NDArray[np.uint8],
+        NDArray[np.uint8],
+        NDArray[np.uint32],
+        NDArray[np.float64],
+        NDArray[np.float64],
+        NDArray[np.uint64] | NDArray[np.bool_],
+    ],
+) -> None: ...
 def batch_methods() -> list[str]: ...

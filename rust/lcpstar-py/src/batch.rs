@@ -1,11 +1,15 @@
-//! `solve_batch`: borrow the arrays, leave the interpreter, hand back arrays.
+//! `solve_batch`: borrow the arrays, leave the interpreter, write the results.
 
 use lcpstar::batch::{self, Alpha, Guess, METHODS, Numbers, Output, Problems, Settings, Source};
 use lcpstar::driver::Method;
-use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
+use numpy::ndarray::{Dimension, Ix1, Ix2};
+use numpy::{
+    Element, PyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyReadwriteArray,
+    PyUntypedArrayMethods,
+};
 use pyo3::prelude::*;
 
-use crate::errors::{Signals, enter_core, return_within, to_python};
+use crate::errors::{Signals, enter_core, raise, to_python};
 
 /// A guess of the supports, in one of three forms.
 #[derive(FromPyObject)]
@@ -47,7 +51,14 @@ fn source<'a>(map: Option<&'a PyReadonlyArray1<'_, usize>>, blocks: usize, count
     })
 }
 
-/// The arrays of [`Output`], in its order, with alpha as masks (n <= 64) or flags.
+/// Supports as masks (n <= 64) or flags.
+#[derive(FromPyObject)]
+pub enum SupportArray<'py> {
+    Masks(Bound<'py, PyArray1<u64>>),
+    Flags(Bound<'py, PyArray2<bool>>),
+}
+
+/// The arrays of [`Output`], in its order, C-contiguous.
 type Results<'py> = (
     Bound<'py, PyArray2<f64>>,
     Bound<'py, PyArray2<f64>>,
@@ -56,12 +67,45 @@ type Results<'py> = (
     Bound<'py, PyArray1<u32>>,
     Bound<'py, PyArray1<f64>>,
     Bound<'py, PyArray1<f64>>,
-    Bound<'py, PyAny>,
+    SupportArray<'py>,
 );
 
-/// Solves `count` problems of order `n`; `a` and `q` hold one block per row, `n * n` and `n` numbers, C-contiguous.
+/// The same while they are written.
+enum Supports<'py> {
+    Masks(PyReadwriteArray<'py, u64, Ix1>),
+    Flags(PyReadwriteArray<'py, bool, Ix2>),
+}
+
+impl<'py> SupportArray<'py> {
+    fn own(&self) -> PyResult<Supports<'py>> {
+        Ok(match self {
+            Self::Masks(masks) => Supports::Masks(own(masks)?),
+            Self::Flags(flags) => Supports::Flags(own(flags)?),
+        })
+    }
+}
+
+impl Supports<'_> {
+    fn alpha(&mut self) -> PyResult<Alpha<'_>> {
+        Ok(match self {
+            Self::Masks(masks) => Alpha::Masks(masks.as_slice_mut()?),
+            Self::Flags(flags) => Alpha::Flags(flags.as_slice_mut()?),
+        })
+    }
+}
+
+/// An array to write to that nobody else reads or writes.
+fn own<'py, T: Element, D: Dimension>(array: &Bound<'py, PyArray<T, D>>) -> PyResult<PyReadwriteArray<'py, T, D>> {
+    array.try_readwrite().map_err(|_| {
+        let message = "out must hold writable arrays that share no memory with A, q or a batch under way";
+        raise(array.py(), "OptionError", message)
+    })
+}
+
+/// Solves `count` problems of order `n`; `a` and `q` hold one block per row, `n * n` and `n` numbers, C-contiguous. Every number of
+/// `results` is written, unless an exception is raised.
 #[pyfunction]
-#[pyo3(signature = (n, a, q, count, a_map, q_map, method, tol, threads, guess, polish))]
+#[pyo3(signature = (n, a, q, count, a_map, q_map, method, tol, threads, guess, polish, results))]
 pub fn solve_batch<'py>(
     py: Python<'py>,
     n: usize,
@@ -75,7 +119,8 @@ pub fn solve_batch<'py>(
     threads: usize,
     guess: Option<GuessArray<'py>>,
     polish: bool,
-) -> PyResult<Results<'py>> {
+    results: Results<'py>,
+) -> PyResult<()> {
     let problems = Problems {
         n,
         count,
@@ -90,40 +135,26 @@ pub fn solve_batch<'py>(
         Some(GuessArray::Flags(v)) => Guess::Flags(v.as_slice()?),
         Some(GuessArray::Points(v)) => Guess::Points(v.as_slice()?),
     };
-    let points = || (PyArray2::zeros(py, [count, n], false), PyArray2::zeros(py, [count, n], false));
-    let codes = || (PyArray1::zeros(py, count, false), PyArray1::zeros(py, count, false));
-    let residuals = || (PyArray1::zeros(py, count, false), PyArray1::zeros(py, count, false));
-    let supports = || {
-        let masks = PyArray1::<u64>::zeros(py, if n <= 64 { count } else { 0 }, false);
-        (masks, PyArray2::<bool>::zeros(py, if n <= 64 { [0, n] } else { [count, n] }, false))
+    let (z, w, status, method_code, iterations, residual, natural, alpha) = &results;
+    let (mut z, mut w, mut status, mut method_code) = (own(z)?, own(w)?, own(status)?, own(method_code)?);
+    let (mut iterations, mut residual, mut natural) = (own(iterations)?, own(residual)?, own(natural)?);
+    let mut supports = alpha.own()?;
+    let output = Output {
+        z: z.as_slice_mut()?,
+        w: w.as_slice_mut()?,
+        status: status.as_slice_mut()?,
+        method: method_code.as_slice_mut()?,
+        iterations: iterations.as_slice_mut()?,
+        residual: residual.as_slice_mut()?,
+        natural_residual: natural.as_slice_mut()?,
+        alpha: supports.alpha()?,
     };
-    let allocate = || (points(), codes(), PyArray1::zeros(py, count, false), residuals(), supports());
-    let ((z, w), (status, method_code), iterations, (residual, natural), (masks, flags)) = return_within(py, allocate);
     let signals = Signals::new();
-    {
-        let (mut z, mut w) = (z.try_readwrite()?, w.try_readwrite()?);
-        let (mut status, mut method_code, mut iterations) =
-            (status.try_readwrite()?, method_code.try_readwrite()?, iterations.try_readwrite()?);
-        let (mut residual, mut natural) = (residual.try_readwrite()?, natural.try_readwrite()?);
-        let (mut masks, mut flags) = (masks.try_readwrite()?, flags.try_readwrite()?);
-        let output = Output {
-            z: z.as_slice_mut()?,
-            w: w.as_slice_mut()?,
-            status: status.as_slice_mut()?,
-            method: method_code.as_slice_mut()?,
-            iterations: iterations.as_slice_mut()?,
-            residual: residual.as_slice_mut()?,
-            natural_residual: natural.as_slice_mut()?,
-            alpha: if n <= 64 { Alpha::Masks(masks.as_slice_mut()?) } else { Alpha::Flags(flags.as_slice_mut()?) },
-        };
-        let interrupted = || signals.interrupted();
-        let general = Method::from_name(method).map_err(|e| to_python(py, &e))?;
-        let settings = Settings { method: &general, tol, threads, guess, polish, interrupted: Some(&interrupted) };
-        enter_core(py, || batch::solve_batch(&problems, &settings, output))?;
-    }
-    signals.raise()?;
-    let alpha = if n <= 64 { masks.into_any() } else { flags.into_any() };
-    Ok((z, w, status, method_code, iterations, residual, natural, alpha))
+    let interrupted = || signals.interrupted();
+    let general = Method::from_name(method).map_err(|e| to_python(py, &e))?;
+    let settings = Settings { method: &general, tol, threads, guess, polish, interrupted: Some(&interrupted) };
+    enter_core(py, || batch::solve_batch(&problems, &settings, output))?;
+    signals.raise()
 }
 
 /// Names of the method codes.

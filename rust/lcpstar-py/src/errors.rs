@@ -23,16 +23,6 @@ pub fn enter_core<T: Send>(py: Python<'_>, f: impl FnOnce() -> lcpstar::Result<T
     outcome(py, result)
 }
 
-/// Runs `f`, which may release the interpreter by itself and take it back, as NumPy does while it allocates zeros.
-pub fn return_within<T>(py: Python<'_>, f: impl FnOnce() -> T) -> T {
-    if !announce_return() {
-        py.detach(park);
-    }
-    let result = f();
-    RETURNING.fetch_sub(1, Ordering::SeqCst);
-    result
-}
-
 /// Holds this thread until the process ends.
 fn park() {
     loop {
