@@ -341,7 +341,7 @@ def test_a_right_guess_above_the_lanes():
     assert (warm.method[q.min(axis=1) < 0] == "warm_start").all()
 
 
-@pytest.mark.parametrize("n", [4, 12, 24])
+@pytest.mark.parametrize("n", [4, 12, 24, 40, 70])
 def test_a_wrong_guess_costs_nothing_but_time(n):
     A, q = random_pd(300, n)
     rng = np.random.default_rng(1)

@@ -127,14 +127,16 @@ impl<'a> Alpha<'a> {
         }
     }
 
-    /// Writes the support of problem `k`, given as a mask (n <= 64).
+    /// Writes the supports of the problems from `k` on, given as masks (n <= 64).
     #[inline(always)]
-    pub(super) fn write_mask(&mut self, n: usize, k: usize, mask: u64) {
+    pub(super) fn write_masks(&mut self, n: usize, k: usize, masks: &[u64]) {
         match self {
-            Self::Masks(v) => v[k] = mask,
+            Self::Masks(v) => v[k..k + masks.len()].copy_from_slice(masks),
             Self::Flags(v) => {
-                for (i, flag) in v[k * n..(k + 1) * n].iter_mut().enumerate() {
-                    *flag = mask >> i & 1 == 1;
+                for (flags, mask) in v[k * n..].chunks_exact_mut(n).zip(masks) {
+                    for (i, flag) in flags.iter_mut().enumerate() {
+                        *flag = mask >> i & 1 == 1;
+                    }
                 }
             }
         }

@@ -6,7 +6,7 @@ use super::lemke_lanes::Pivots;
 use super::minors::{MINORS_ORDER, enumerate};
 use super::newton::{Tile, multiply, newton, refine};
 use super::work::{ENUMERATE, LEMKE, NEWTON, Task};
-use crate::small::lane::{BLOCK, Lane, Mask, prefetch};
+use crate::small::lane::{BLOCK, Lane, Mask};
 use crate::small::lemke::PIVOTS_PER_ROW;
 use crate::small::verify::{Verdict, is_small_when_equilibrated, verify};
 use crate::status::Status;
@@ -33,9 +33,13 @@ pub(super) struct Lanes<X: Lane, S: Lane> {
     /// Problems widened to double precision.
     wide: Vec<f64>,
     singles: Option<Tile<S>>,
+    /// z or w of a tile, problem after problem, and room for one block more.
+    rows: Vec<f64>,
     /// What single precision found, `n` numbers for each problem of the chunk.
     points: Vec<f32>,
     failed: Vec<usize>,
+    /// Whether a problem came along that is not for Newton's method.
+    seen_unfit: bool,
 }
 
 /// What lanes do together.
@@ -86,8 +90,10 @@ impl<X: Lane<Number = f64>, S: Lane<Number = f32>> Lanes<X, S> {
             loaded: [usize::MAX; MOST_LANES],
             wide: vec![0.0; wide],
             singles: both.then(|| Tile::new(n)),
+            rows: vec![0.0; X::LANES * n + BLOCK],
             points: Vec::new(),
             failed: Vec::new(),
+            seen_unfit: false,
         }
     }
 
@@ -125,16 +131,15 @@ impl<X: Lane<Number = f64>, S: Lane<Number = f32>> Lanes<X, S> {
         output: &mut Output<'_>,
     ) {
         self.failed.clear();
-        if phase == Phase::Newton {
+        if phase == Phase::Newton && self.seen_unfit {
             self.set_aside_unfit(task, waiting);
         }
         let mut groups = waiting.chunks(X::LANES).peekable();
         while let Some(members) = groups.next() {
             self.load::<N>(task, members);
-            for &k in groups.peek().copied().unwrap_or_default() {
-                self.fetch(task, k);
-            }
+            self.plan_ahead(phase, task, groups.peek().copied().unwrap_or_default());
             let (fit, symmetric) = self.shape::<N>();
+            self.seen_unfit |= fit.not().any();
             let open = X::Mask::from_bits(u32::MAX >> (32 - members.len()));
             let mut group = Group { task, members, open, fit, symmetric };
             // Symmetric lanes and the others take turns where the factorisation differs.
@@ -146,12 +151,15 @@ impl<X: Lane<Number = f64>, S: Lane<Number = f32>> Lanes<X, S> {
                 }
             }
             let open = group.open.bits();
+            if open == 0 {
+                continue;
+            }
             self.failed.extend(members.iter().enumerate().filter(|&(l, _)| open >> l & 1 == 1).map(|(_, &k)| k));
         }
         std::mem::swap(waiting, &mut self.failed);
     }
 
-    /// Newton's method wants a positive diagonal: other problems are not even loaded for it.
+    /// Newton's method wants a positive diagonal: where there are others, they are not even loaded for it.
     #[inline(always)]
     fn set_aside_unfit(&mut self, task: &Task<'_>, waiting: &mut Vec<usize>) {
         let (n, problems) = (self.n, task.problems);
@@ -228,25 +236,35 @@ impl<X: Lane<Number = f64>, S: Lane<Number = f32>> Lanes<X, S> {
     #[inline(always)]
     fn place_guess(&mut self, group: &Group<'_, X>) {
         let (n, task) = (self.n, group.task);
+        let mut places = [0; MOST_LANES];
         for l in 0..X::LANES {
-            let k = task.first + group.members[l.min(group.members.len() - 1)];
-            match task.settings.guess {
-                Guess::None => {}
-                Guess::Masks(masks) => {
-                    for i in 0..n {
-                        self.tile.alpha[i].set(l, masks[k] >> i & 1 == 1);
+            places[l] = task.first + group.members[l.min(group.members.len() - 1)];
+        }
+        match task.settings.guess {
+            Guess::None => {}
+            Guess::Masks(masks) => {
+                let guesses = places.map(|k| masks[k]);
+                for i in 0..n {
+                    let mut bits = 0;
+                    for (l, guess) in guesses[..X::LANES].iter().enumerate() {
+                        bits |= (guess >> i & 1) << l;
                     }
+                    self.tile.alpha[i] = X::Mask::from_bits(bits as u32);
                 }
-                Guess::Flags(flags) => {
-                    for i in 0..n {
-                        self.tile.alpha[i].set(l, flags[k * n + i]);
+            }
+            Guess::Flags(flags) => {
+                for i in 0..n {
+                    let mut bits = 0;
+                    for (l, k) in places[..X::LANES].iter().enumerate() {
+                        bits |= u32::from(flags[k * n + i]) << l;
                     }
+                    self.tile.alpha[i] = X::Mask::from_bits(bits);
                 }
-                Guess::Points(z) => {
-                    for i in 0..n {
-                        self.tile.alpha[i].set(l, z[k * n + i] > 0.0);
-                        self.tile.z[i].set(l, z[k * n + i]);
-                    }
+            }
+            Guess::Points(z) => {
+                columns::<X>(Numbers::Double(z), n, &places, &mut [], &mut self.tile.z);
+                for i in 0..n {
+                    self.tile.alpha[i] = X::splat(0.0).lt(self.tile.z[i]);
                 }
             }
         }
@@ -275,6 +293,7 @@ impl<X: Lane<Number = f64>, S: Lane<Number = f32>> Lanes<X, S> {
         found: &Found<X>,
         output: &mut Output<'_>,
     ) {
+        self.tile.ahead.rest();
         let lanes = group.open.and(found.lanes);
         let refinements = match phase {
             Phase::Point | Phase::Single | Phase::Enumerate => 0,
@@ -326,7 +345,7 @@ impl<X: Lane<Number = f64>, S: Lane<Number = f32>> Lanes<X, S> {
     /// Writes the results of the lanes that are verified, with the supports in alpha.
     #[inline(always)]
     fn write<const N: usize>(
-        &self,
+        &mut self,
         group: &mut Group<'_, X>,
         found: &Found<X>,
         verdict: &Verdict<X>,
@@ -336,34 +355,39 @@ impl<X: Lane<Number = f64>, S: Lane<Number = f32>> Lanes<X, S> {
         let solved = group.open.and(found.lanes).and(verdict.solved);
         group.open = group.open.and(solved.not());
         let solved = solved.bits();
+        if solved == 0 {
+            return;
+        }
         for (source, out) in [(&self.tile.z, &mut *output.z), (&self.tile.w, &mut *output.w)] {
-            let mut rows = [[0.0; BLOCK]; MOST_LANES];
-            for (b, columns) in source[..n].chunks(BLOCK).enumerate() {
-                X::store_columns(columns, &mut rows[..X::LANES]);
-                for (l, &k) in group.members.iter().enumerate() {
-                    if solved >> l & 1 == 1 {
-                        let place = k * n + BLOCK * b;
-                        out[place..place + columns.len()].copy_from_slice(&rows[l][..columns.len()]);
-                    }
-                }
+            // Backwards: a last block that is not whole reaches into the next row.
+            for (b, columns) in source[..n].chunks(BLOCK).enumerate().rev() {
+                X::store_columns(columns, &mut self.rows[BLOCK * b..], n);
+            }
+            for (l, k, count) in runs(group.members, solved) {
+                out[k * n..(k + count) * n].copy_from_slice(&self.rows[l * n..(l + count) * n]);
             }
         }
-        let mut masks = [0_u64; MOST_LANES];
+        let (mut masks, mut iterations) = ([0_u64; MOST_LANES], [0; MOST_LANES]);
+        let (mut residual, mut natural_residual) = ([0.0; MOST_LANES], [0.0; MOST_LANES]);
         for (i, alpha) in self.tile.alpha[..n].iter().enumerate() {
             let bits = alpha.bits();
-            for (l, mask) in masks.iter_mut().enumerate() {
+            for (l, mask) in masks[..X::LANES].iter_mut().enumerate() {
                 *mask |= u64::from(bits >> l & 1) << i;
             }
         }
-        for (l, &k) in group.members.iter().enumerate() {
-            if solved >> l & 1 == 1 {
-                output.status[k] = Status::Solved as u8;
-                output.method[k] = found.method;
-                output.iterations[k] = u32::from(found.iterations[l]);
-                output.residual[k] = verdict.residual.get(l);
-                output.natural_residual[k] = verdict.natural_residual.get(l);
-                output.alpha.write_mask(n, k, masks[l]);
-            }
+        for l in 0..X::LANES {
+            iterations[l] = u32::from(found.iterations[l]);
+            residual[l] = verdict.residual.get(l);
+            natural_residual[l] = verdict.natural_residual.get(l);
+        }
+        for (l, k, count) in runs(group.members, solved) {
+            let (from, to) = (l..l + count, k..k + count);
+            output.status[to.clone()].fill(Status::Solved as u8);
+            output.method[to.clone()].fill(found.method);
+            output.iterations[to.clone()].copy_from_slice(&iterations[from.clone()]);
+            output.residual[to.clone()].copy_from_slice(&residual[from.clone()]);
+            output.natural_residual[to].copy_from_slice(&natural_residual[from.clone()]);
+            output.alpha.write_masks(n, k, &masks[from]);
         }
     }
 
@@ -386,17 +410,24 @@ impl<X: Lane<Number = f64>, S: Lane<Number = f32>> Lanes<X, S> {
         columns::<X>(problems.q, n, &q_blocks, wide_q, &mut self.tile.q);
     }
 
-    /// Asks for problem `k` of the chunk, which is next.
+    /// Plans to ask for the matrices of the problems that are next.
     #[inline(always)]
-    fn fetch(&self, task: &Task<'_>, k: usize) {
-        let (n, problems) = (self.n, task.problems);
-        let block = problems.a_source.block(task.first + k);
-        if block == self.loaded[0] {
-            return;
-        }
-        match problems.a {
-            Numbers::Double(a) => prefetch(&a[block * n * n..(block + 1) * n * n]),
-            Numbers::Single(a) => prefetch(&a[block * n * n..(block + 1) * n * n]),
+    fn plan_ahead(&mut self, phase: Phase, task: &Task<'_>, members: &[usize]) {
+        let (n, problems, ahead) = (self.n, task.problems, &mut self.tile.ahead);
+        // Most problems take two factorisations of n columns, each of which is a step.
+        let steps = if phase == Phase::Newton { 2 * n } else { n };
+        ahead.clear();
+        // Smaller ones come in order, and the processor sees that by itself.
+        let members = if n > MINORS_ORDER { members } else { &[] };
+        for &k in members {
+            let block = problems.a_source.block(task.first + k);
+            if block == self.loaded[0] {
+                return;
+            }
+            match problems.a {
+                Numbers::Double(a) => ahead.plan(&a[block * n * n..(block + 1) * n * n], steps),
+                Numbers::Single(a) => ahead.plan(&a[block * n * n..(block + 1) * n * n], steps),
+            }
         }
     }
 
@@ -442,16 +473,33 @@ impl<X: Lane<Number = f64>, S: Lane<Number = f32>> Lanes<X, S> {
             for z in &mut tile.z {
                 *z = z.only(lanes);
             }
-            let mut rows = [[0.0; BLOCK]; MOST_LANES];
+            let mut rows = [0.0; BLOCK * MOST_LANES];
             for (b, columns) in tile.z[..n].chunks(BLOCK).enumerate() {
-                S::store_columns(columns, &mut rows[..S::LANES]);
-                for (l, &k) in members.iter().enumerate() {
+                S::store_columns(columns, &mut rows, BLOCK);
+                for (row, &k) in rows.chunks_exact(BLOCK).zip(members) {
                     let place = k * n + BLOCK * b;
-                    self.points[place..place + columns.len()].copy_from_slice(&rows[l][..columns.len()]);
+                    self.points[place..place + columns.len()].copy_from_slice(&row[..columns.len()]);
                 }
             }
         }
     }
+}
+
+/// Lanes of `solved` whose problems follow each other: the first lane, its problem, and how many.
+#[inline(always)]
+fn runs(members: &[usize], solved: u32) -> impl Iterator<Item = (usize, usize, usize)> {
+    let is_solved = move |l: usize| l < members.len() && solved >> l & 1 == 1;
+    let mut l = 0;
+    std::iter::from_fn(move || {
+        while l < members.len() && !is_solved(l) {
+            l += 1;
+        }
+        let (first, k) = (l, *members.get(l)?);
+        while is_solved(l) && members[l] == k + (l - first) {
+            l += 1;
+        }
+        Some((first, k, l - first))
+    })
 }
 
 /// Number e of block `blocks[l]` goes to lane l of `out[e]`, for `length` numbers e.

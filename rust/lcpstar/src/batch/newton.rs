@@ -6,6 +6,7 @@
 //! A pivot that rounding made smaller than `FLOOR` times its diagonal entry is raised to that, which regularises
 //! singular blocks; the error it leaves is removed by refinement, and `verify` has the last word.
 
+use super::ahead::Ahead;
 use crate::small::lane::{Lane, Mask};
 use crate::small::lemke::CANCELLED;
 
@@ -30,6 +31,8 @@ pub struct Tile<X: Lane> {
     pub w: Vec<X>,
     /// Rows with `w_i = 0` in the guess.
     pub alpha: Vec<X::Mask>,
+    /// What is needed next.
+    pub ahead: Ahead,
     block: Block<X>,
 }
 
@@ -62,6 +65,7 @@ impl<X: Lane> Tile<X> {
             z: vector.clone(),
             w: vector.clone(),
             alpha: vec![X::Mask::NONE; n],
+            ahead: Ahead::default(),
             block: Block {
                 size: 0,
                 a: vec![zero; n * n],
@@ -137,10 +141,10 @@ fn improve_guess<X: Lane, const N: usize>(n: usize, tile: &mut Tile<X>) -> X::Ma
 #[inline(always)]
 fn solve<X: Lane, const N: usize>(n: usize, tile: &mut Tile<X>, symmetric: bool, cleaned: bool) -> X::Mask {
     let n = if N == 0 { n } else { N };
-    let Tile { a, q, z, alpha, block, .. } = tile;
+    let Tile { a, q, z, alpha, ahead, block, .. } = tile;
     if is_masked::<N>(n) {
         let Block { factors, inverse, .. } = block;
-        let regular = factor::<X, N>(n, a, q, alpha, factors, inverse, symmetric);
+        let regular = factor::<X, N>(n, a, q, alpha, factors, inverse, symmetric, ahead);
         substitute_back::<X, N>(n, factors, z);
         if cleaned {
             clean::<X, N>(n, q, alpha, factors, inverse, z);
@@ -150,7 +154,7 @@ fn solve<X: Lane, const N: usize>(n: usize, tile: &mut Tile<X>, symmetric: bool,
     block.gather(n, a, q, alpha);
     let size = block.size;
     let Block { a, q, inside, factors, inverse, x, .. } = block;
-    let regular = factor::<X, 0>(size, a, q, inside, factors, inverse, symmetric);
+    let regular = factor::<X, 0>(size, a, q, inside, factors, inverse, symmetric, ahead);
     substitute_back::<X, 0>(size, factors, x);
     if cleaned {
         clean::<X, 0>(size, q, inside, factors, inverse, x);
@@ -221,6 +225,7 @@ fn factor<X: Lane, const N: usize>(
     factors: &mut [X],
     inverse: &mut [X],
     symmetric: bool,
+    ahead: &mut Ahead,
 ) -> X::Mask {
     let n = if N == 0 { n } else { N };
     let s = n + 1;
@@ -229,6 +234,7 @@ fn factor<X: Lane, const N: usize>(
     let (one, floor) = (X::splat(1.0), X::splat(FLOOR));
     let mut regular = X::Mask::ALL;
     for j in 0..n {
+        ahead.step();
         let inside = alpha[j];
         // Column j of L, from the diagonal down.
         let mut i = j;

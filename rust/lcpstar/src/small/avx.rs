@@ -247,13 +247,14 @@ impl Lane for Zmm {
         }
     }
     #[inline(always)]
-    fn store_columns(columns: &[Self], rows: &mut [[f64; BLOCK]]) {
+    fn store_columns(columns: &[Self], rows: &mut [f64], stride: usize) {
         let mut v = [Self::splat(0.0).0; 8];
         for (k, column) in columns.iter().enumerate().take(8) {
             v[k] = column.0;
         }
         let v = transpose_zmm(v);
-        for (l, row) in rows.iter_mut().enumerate().take(8) {
+        for l in 0..8 {
+            let row = &mut rows[l * stride..l * stride + BLOCK];
             unsafe { _mm512_storeu_pd(row.as_mut_ptr(), v[l]) };
         }
     }
@@ -357,7 +358,7 @@ impl Lane for ZmmS {
         }
     }
     #[inline(always)]
-    fn store_columns(columns: &[Self], rows: &mut [[f32; BLOCK]]) {
+    fn store_columns(columns: &[Self], rows: &mut [f32], stride: usize) {
         for h in 0..2 {
             let mut v = [unsafe { _mm256_setzero_ps() }; 8];
             for (k, column) in columns.iter().enumerate().take(8) {
@@ -371,7 +372,9 @@ impl Lane for ZmmS {
                 };
             }
             let v = transpose_floats(v);
-            for (l, row) in rows[8 * h..8 * h + 8].iter_mut().enumerate() {
+            for l in 0..8 {
+                let first = (8 * h + l) * stride;
+                let row = &mut rows[first..first + BLOCK];
                 unsafe { _mm256_storeu_ps(row.as_mut_ptr(), v[l]) };
             }
         }
@@ -573,15 +576,17 @@ impl Lane for Ymm {
         }
     }
     #[inline(always)]
-    fn store_columns(columns: &[Self], rows: &mut [[f64; BLOCK]]) {
+    fn store_columns(columns: &[Self], rows: &mut [f64], stride: usize) {
         for (b, columns) in columns.chunks(4).enumerate().take(BLOCK / 4) {
             let mut v = [Self::splat(0.0).0; 4];
             for (k, column) in columns.iter().enumerate() {
                 v[k] = column.0;
             }
             let v = transpose_ymm(v);
-            for (l, row) in rows.iter_mut().enumerate().take(4) {
-                unsafe { _mm256_storeu_pd(row[4 * b..4 * b + 4].as_mut_ptr(), v[l]) };
+            for l in 0..4 {
+                let first = l * stride + 4 * b;
+                let row = &mut rows[first..first + 4];
+                unsafe { _mm256_storeu_pd(row.as_mut_ptr(), v[l]) };
             }
         }
     }

@@ -32,8 +32,9 @@ pub trait Lane: Copy {
     fn set_from(&mut self, l: usize, x: &Self);
     /// Lane l of `out[k]` is `rows[l][k]`, for at most `BLOCK` columns k.
     fn load_columns(rows: &[&[Self::Number]], out: &mut [Self]);
-    /// `rows[l][k]` is lane l of `columns[k]`, for at most `BLOCK` columns k.
-    fn store_columns(columns: &[Self], rows: &mut [[Self::Number; BLOCK]]);
+    /// `rows[l stride + k]` is lane l of `columns[k]`, for at most `BLOCK` columns k; the rest of `BLOCK` numbers, from
+    /// `l stride` on, is overwritten too, lane after lane.
+    fn store_columns(columns: &[Self], rows: &mut [Self::Number], stride: usize);
     /// `stride` times each lane's number, which is a place below `limit`; others are moved into that range.
     fn index(self, limit: usize, stride: usize) -> Self::Index;
     /// Lane l of `v[at_l]`.
@@ -104,22 +105,6 @@ pub trait Mask: Copy {
     fn any(self) -> bool;
     /// Bit l is lane l.
     fn bits(self) -> u32;
-}
-
-/// Asks for numbers that are needed soon; changes nothing but the time.
-#[inline(always)]
-pub fn prefetch<T>(numbers: &[T]) {
-    #[cfg(target_arch = "x86_64")]
-    for line in numbers.chunks(64 / size_of::<T>()) {
-        use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
-        #[allow(unsafe_code, reason = "an instruction that every x86-64 machine has and that touches nothing")]
-        // SAFETY: the address is that of a reference.
-        unsafe {
-            _mm_prefetch::<_MM_HINT_T0>(line.as_ptr().cast());
-        }
-    }
-    #[cfg(not(target_arch = "x86_64"))]
-    let _ = numbers;
 }
 
 macro_rules! lanes {
@@ -206,9 +191,9 @@ macro_rules! lanes {
                 }
             }
             #[inline(always)]
-            fn store_columns(columns: &[Self], rows: &mut [[$number; BLOCK]]) {
-                for (l, row) in rows.iter_mut().enumerate() {
-                    for (x, column) in row.iter_mut().zip(columns) {
+            fn store_columns(columns: &[Self], rows: &mut [$number], stride: usize) {
+                for l in 0..$lanes {
+                    for (x, column) in rows[l * stride..].iter_mut().zip(columns) {
                         *x = column.0[l];
                     }
                 }
@@ -440,13 +425,13 @@ impl<X: Lane> Lane for Pair<X> {
         }
     }
     #[inline(always)]
-    fn store_columns(columns: &[Self], rows: &mut [[X::Number; BLOCK]]) {
+    fn store_columns(columns: &[Self], rows: &mut [X::Number], stride: usize) {
         let mut half = [X::splat(0.0); BLOCK];
         for h in 0..2 {
             for (half, column) in half.iter_mut().zip(columns) {
                 *half = column.0[h];
             }
-            X::store_columns(&half[..columns.len()], &mut rows[h * X::LANES..(h + 1) * X::LANES]);
+            X::store_columns(&half[..columns.len()], &mut rows[h * X::LANES * stride..], stride);
         }
     }
     #[inline(always)]
