@@ -96,6 +96,18 @@ def test_enumerate_refuses_large_problems():
         lcpstar.solve(np.eye(25), -np.ones(25), method="enumerate")
 
 
+@pytest.mark.parametrize("mass_ratio", [1e4, 1e6])
+@pytest.mark.parametrize("boxes", [5, 6, 8, 12, 16])
+def test_stacks_of_heavy_on_light_need_no_portfolio(boxes, mass_ratio):
+    """Errors of earlier pivots, times the mass ratio, must not be pivots: paths stay short and end on a basis of the solution."""
+    for seed in range(10):
+        A, q = box_stack(boxes, mass_ratio, seed=seed)
+        found = lcpstar.solve(A, q)
+        assert_solves(A, q, found)
+        assert found.method in ("lemke_small", "block_pivoting", "pieces")
+        assert found.iterations <= 2 * len(q)
+
+
 def test_islands_get_the_digits_they_get_alone():
     stacks = [box_stack(1 + k % 3, seed=k) for k in range(100)]
     n = sum(len(q) for _, q in stacks)

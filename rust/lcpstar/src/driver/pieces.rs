@@ -93,7 +93,7 @@ impl<'a> Assembly<'a> {
         if !asked || lcp.n() <= TINY_ORDER {
             return None;
         }
-        small::by_block_pivoting(lcp, small::scaling_if_unbalanced(lcp).as_ref(), control)
+        small::by_block_pivoting(lcp, small::equilibrated_if_unbalanced(lcp).as_ref(), control)
     }
 
     /// One part as a problem of its own.

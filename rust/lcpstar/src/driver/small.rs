@@ -11,8 +11,8 @@ use crate::pivoting::basis::basic_point;
 use crate::presolve::{self, Plan};
 use crate::problem::Lcp;
 use crate::residual::natural_residual;
-use crate::scaling::{Equilibrated, Scaling};
-use crate::small::{Answer, TINY_ORDER, TinySolution, solve_scaled, verify_point};
+use crate::scaling::Equilibrated;
+use crate::small::{Answer, TINY_ORDER, TinySolution, basis_by_tableau, solve_scaled, verify_point};
 use crate::solution::{Candidate, Certificate, Solution};
 use crate::status::{Status, Termination};
 
@@ -79,10 +79,10 @@ pub(super) fn solve_part(lcp: &Lcp, settings: &Settings, control: &Control<'_>) 
     if n > TINY_ORDER || settings.z0.is_some() || !is_plain(settings, control) {
         return None;
     }
-    let scaling = scaling_if_unbalanced(lcp);
+    let balanced = equilibrated_if_unbalanced(lcp);
     let by_blocks = n > KERNEL_FIRST_UP_TO || (n > SWEEPS_FROM && lcp.is_symmetric());
     if by_blocks
-        && let Some((z, alpha, iterations)) = by_block_pivoting(lcp, scaling.as_ref(), control)
+        && let Some((z, alpha, iterations)) = by_block_pivoting(lcp, balanced.as_ref(), control)
         && let Some(judged) = verify_point(n, lcp.a(), lcp.q(), &z, settings.tol)
     {
         let certificate = Some(Certificate::Solution { alpha: alpha.clone(), exact: None });
@@ -93,11 +93,21 @@ pub(super) fn solve_part(lcp: &Lcp, settings: &Settings, control: &Control<'_>) 
     if n > KERNEL_FIRST_UP_TO && lcp.is_symmetric() {
         return None;
     }
-    match solve_scaled(n, lcp.a(), lcp.q(), scaling.as_ref(), settings.tol) {
-        Answer::Solved(answer) => Some(solved(&answer)),
-        Answer::Basis { alpha, iterations } => from_basis(lcp, scaling, alpha, iterations, settings.tol),
-        Answer::None => None,
-    }
+    // Stacks of heavy on light: see the module of the tableau.
+    let is_for_tableau = is_unbalanced(lcp) && lcp.is_symmetric();
+    let answer = match &balanced {
+        Some(_) if is_for_tableau => Answer::None,
+        _ => solve_scaled(n, lcp.a(), lcp.q(), balanced.as_ref().map(|problem| &problem.scaling), settings.tol),
+    };
+    let found = match answer {
+        Answer::Solved(answer) => return Some(solved(&answer)),
+        Answer::Basis { alpha, iterations } if !is_for_tableau => Some((alpha, iterations)),
+        Answer::Basis { .. } | Answer::None => None,
+    };
+    let problem = balanced.unwrap_or_else(|| Equilibrated::new(lcp));
+    let by_tableau = || if is_for_tableau { basis_by_tableau(n, problem.lcp.a(), problem.lcp.q()) } else { None };
+    let (alpha, iterations) = found.or_else(by_tableau)?;
+    from_basis(&problem, alpha, iterations, settings.tol)
 }
 
 /// Up to this order the kernel's pivots are cheaper than LU factorisations.
@@ -109,23 +119,22 @@ const FACTORISATIONS: usize = 8;
 /// Above this order, the kernel works on the equilibrated problem where A is unbalanced.
 const SCALED_FROM: usize = 16;
 
-/// The scaling with which to work, where the caller's numbers will not do.
-pub(super) fn scaling_if_unbalanced(lcp: &Lcp) -> Option<Scaling> {
-    (lcp.n() > SCALED_FROM && is_unbalanced(lcp)).then(|| Scaling::new(lcp))
+/// The problem with which to work, where the caller's numbers will not do.
+pub(super) fn equilibrated_if_unbalanced(lcp: &Lcp) -> Option<Equilibrated<'_>> {
+    (lcp.n() > SCALED_FROM && is_unbalanced(lcp)).then(|| Equilibrated::new(lcp))
 }
 
-/// z, its basis (its support, where blocks were shifted) and the number of factorisations of block pivoting, on the scaled
-/// problem where a scaling is given. Not verified.
+/// z, its basis (its support, where blocks were shifted) and the number of factorisations of block pivoting, on the equilibrated
+/// problem where that is given. Not verified.
 pub(super) fn by_block_pivoting(
     lcp: &Lcp,
-    scaling: Option<&Scaling>,
+    equilibrated: Option<&Equilibrated<'_>>,
     control: &Control<'_>,
 ) -> Option<(Vec<f64>, Vec<usize>, usize)> {
     if !is_for_blocks(lcp) {
         return None;
     }
-    let equilibrated = scaling.map(|scaling| Equilibrated::with(lcp, scaling.clone()));
-    let balanced = equilibrated.as_ref().map_or(lcp, |problem| &problem.lcp);
+    let balanced = equilibrated.map_or(lcp, |problem| &problem.lcp);
     let largest = (0..lcp.n()).fold(0.0_f64, |m, i| m.max(balanced.row(i)[i]));
     let options =
         block_pivoting::Settings { murty: false, shift: SHIFT * largest, ..block_pivoting::Settings::default() };
@@ -141,13 +150,19 @@ pub(super) fn by_block_pivoting(
     Some((z, alpha, found.iterations))
 }
 
-/// The kernel's basis, its point solved for again on the original numbers: where many pivots have lost digits, as with mass
-/// ratios of 10^6, the basis may be right all the same.
-fn from_basis(lcp: &Lcp, scaling: Option<Scaling>, mask: u128, iterations: usize, tol: f64) -> Option<Solution> {
+/// A basis that pivots led to, its point solved for again on the original numbers: where many pivots have lost digits, as with
+/// mass ratios of 10^6, the basis may be right all the same.
+fn from_basis(problem: &Equilibrated<'_>, mask: u128, iterations: usize, tol: f64) -> Option<Solution> {
+    let lcp = problem.original;
     let alpha: Vec<usize> = (0..lcp.n()).filter(|i| mask >> i & 1 == 1).collect();
-    let problem = Equilibrated::with(lcp, scaling.unwrap_or_else(|| Scaling::new(lcp)));
-    let point = Candidate::point(basic_point(&problem.lcp, &alpha)?, Termination::ComplementaryBasis, iterations);
-    let solution = certify(&problem, Candidate { alpha: Some(alpha), ..point }, "lemke_small", tol);
+    let scaled = basic_point(&problem.lcp, &alpha)?;
+    let z: Vec<f64> = problem.scaling.z_to_caller(&scaled).iter().map(|z| z.max(0.0)).collect();
+    if let Some(judged) = verify_point(lcp.n(), lcp.a(), lcp.q(), &z, tol) {
+        let certificate = Some(Certificate::Solution { alpha: alpha.clone(), exact: None });
+        return Some(Solution { iterations, certificate, alpha, ..solved(&judged) });
+    }
+    let point = Candidate::point(scaled, Termination::ComplementaryBasis, iterations);
+    let solution = certify(problem, Candidate { alpha: Some(alpha), ..point }, "lemke_small", tol);
     (solution.status == Status::Solved && !doubt::misses_q(lcp, &solution)).then_some(solution)
 }
 
@@ -191,7 +206,7 @@ fn is_unbalanced(lcp: &Lcp) -> bool {
     most > UNBALANCED * least
 }
 
-const UNBALANCED: f64 = 1e3;
+const UNBALANCED: f64 = 1e2;
 
 /// The kernel verified its answer by the rule of [`certify`](crate::certify::certify).
 fn solved(answer: &TinySolution) -> Solution {

@@ -14,7 +14,7 @@ use super::lane::{BLOCK, Lane, Mask};
 use super::verify::{Columns, Judged, RowMajor, is_small_when_equilibrated, verify_one};
 
 /// Numbers per row are padded to a multiple of this.
-const WIDTH: usize = 8;
+pub(super) const WIDTH: usize = 8;
 
 /// How the method stopped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -89,12 +89,12 @@ pub struct Basis<X> {
 
 /// Number `i` of a padded vector.
 #[inline(always)]
-fn at<X: Lane<Number = f64>>(v: &[X], i: usize) -> f64 {
+pub(super) fn at<X: Lane<Number = f64>>(v: &[X], i: usize) -> f64 {
     v[i / WIDTH].get(i % WIDTH)
 }
 
 #[inline(always)]
-fn put<X: Lane<Number = f64>>(v: &mut [X], i: usize, x: f64) {
+pub(super) fn put<X: Lane<Number = f64>>(v: &mut [X], i: usize, x: f64) {
     v[i / WIDTH].set(i % WIDTH, x);
 }
 
@@ -233,7 +233,7 @@ impl<X: Lane<Number = f64>> Basis<X> {
         let mut driving = Driving::Z;
         loop {
             self.drive(missing, driving);
-            let Some(blocking) = self.blocking_pair(missing) else {
+            let Some(blocking) = first_to_reach_zero(&self.column, &self.value, &mut self.ratio, missing) else {
                 return Stop::Ray;
             };
             let complement = if self.is_basic(blocking) { Driving::W } else { Driving::Z };
@@ -319,40 +319,6 @@ impl<X: Lane<Number = f64>> Basis<X> {
         for (p, &pair) in self.pairs.iter().enumerate() {
             put(&mut self.column, pair, at(&self.ratio, p));
         }
-    }
-
-    /// The first pair whose basic variable reaches zero as the driving one grows.
-    #[inline(always)]
-    fn blocking_pair(&mut self, missing: usize) -> Option<usize> {
-        let (zero, infinity) = (X::splat(0.0), X::splat(f64::INFINITY));
-        let largest = self.column.iter().fold(zero, |m, c| m.max(c.abs())).largest();
-        let tolerance = X::splat(-PIVOT_TOLERANCE * largest);
-        let mut least = infinity;
-        for ((ratio, r), c) in self.ratio.iter_mut().zip(&self.value).zip(&self.column) {
-            *ratio = r.max(zero).div(c.neg()).or_else(c.lt(tolerance), infinity);
-            least = ratio.min(least);
-        }
-        let least = least.smallest();
-        if least == f64::INFINITY {
-            return None;
-        }
-        let bound = X::splat(least * TIE);
-        let (mut pair, mut pivot) = (None, 0.0);
-        for (block, ratio) in self.ratio.iter().enumerate() {
-            let mut tied = ratio.le(bound).bits();
-            while tied != 0 {
-                let i = block * WIDTH + tied.trailing_zeros() as usize;
-                tied &= tied - 1;
-                if i == missing {
-                    return Some(i);
-                }
-                let x = at(&self.column, i).abs();
-                if x > pivot {
-                    (pair, pivot) = (Some(i), x);
-                }
-            }
-        }
-        pair
     }
 
     /// The driving variable becomes basic and that of the pair `blocking` leaves.
@@ -516,9 +482,49 @@ impl<X: Lane<Number = f64>> Basis<X> {
     }
 }
 
+/// The place of the first number of `value` to reach zero as the driving variable grows, which changes them by `column`:
+/// `favoured`, where z_0 is, if that is among them, else that of the largest pivot.
+#[inline(always)]
+pub(super) fn first_to_reach_zero<X: Lane<Number = f64>>(
+    column: &[X],
+    value: &[X],
+    ratio: &mut [X],
+    favoured: usize,
+) -> Option<usize> {
+    let (zero, infinity) = (X::splat(0.0), X::splat(f64::INFINITY));
+    let largest = column.iter().fold(zero, |m, c| m.max(c.abs())).largest();
+    let tolerance = X::splat(-PIVOT_TOLERANCE * largest);
+    let mut least = infinity;
+    for ((ratio, r), c) in ratio.iter_mut().zip(value).zip(column) {
+        *ratio = r.max(zero).div(c.neg()).or_else(c.lt(tolerance), infinity);
+        least = ratio.min(least);
+    }
+    let least = least.smallest();
+    if least == f64::INFINITY {
+        return None;
+    }
+    let bound = X::splat(least * TIE);
+    let (mut place, mut pivot) = (None, 0.0);
+    for (block, ratio) in ratio.iter().enumerate() {
+        let mut tied = ratio.le(bound).bits();
+        while tied != 0 {
+            let i = block * WIDTH + tied.trailing_zeros() as usize;
+            tied &= tied - 1;
+            if i == favoured {
+                return Some(i);
+            }
+            let x = at(column, i).abs();
+            if x > pivot {
+                (place, pivot) = (Some(i), x);
+            }
+        }
+    }
+    place
+}
+
 /// `v += factor direction`; what cancels is rounding error, and zero.
 #[inline(always)]
-fn grow<X: Lane<Number = f64>>(v: &mut [X], direction: &[X], factor: f64) {
+pub(super) fn grow<X: Lane<Number = f64>>(v: &mut [X], direction: &[X], factor: f64) {
     let (factor, noise) = (X::splat(factor), X::splat(NOISE));
     for (r, c) in v.iter_mut().zip(direction) {
         let sum = r.add_product(*c, factor);

@@ -7,6 +7,7 @@
 pub(crate) mod avx;
 pub(crate) mod lane;
 pub(crate) mod lemke;
+mod tableau;
 pub(crate) mod verify;
 
 use crate::scaling::{Scaling, times_power_of_two};
@@ -18,6 +19,7 @@ use multiversion::multiversion;
 use multiversion::target::target_cfg_f;
 use std::cell::RefCell;
 use std::thread::LocalKey;
+use tableau::Tableau;
 
 /// Largest order that [`solve_one`] takes.
 pub const TINY_ORDER: usize = 128;
@@ -126,6 +128,46 @@ pub fn verify_point(n: usize, a: &[f64], q: &[f64], z: &[f64], tol: f64) -> Opti
         Answer::Solved(solution) => Some(solution),
         Answer::Basis { .. } | Answer::None => None,
     }
+}
+
+/// The basis (bit i: z_i is in it) on which Lemke's method ends on the whole tableau, and its pivots: for problems with singular
+/// blocks and entries of very different sizes. O(n^2) a pivot; nothing is allocated after the first call on a thread.
+#[must_use]
+pub fn basis_by_tableau(n: usize, a: &[f64], q: &[f64]) -> Option<(u128, usize)> {
+    if n == 0 || n > TINY_ORDER || a.len() != n * n || q.len() != n {
+        return None;
+    }
+    run_tableau(n, a, q)
+}
+
+#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw+avx2+fma", "x86_64+avx2+fma", "aarch64+neon"))]
+fn run_tableau(n: usize, a: &[f64], q: &[f64]) -> Option<(u128, usize)> {
+    #[cfg(target_arch = "x86_64")]
+    {
+        if target_cfg_f!(target_feature = "avx512f") {
+            thread_local!(static TABLEAU: RefCell<Tableau<Zmm>> = RefCell::default());
+            return run_tableau_in(&TABLEAU, n, a, q);
+        }
+        if target_cfg_f!(target_feature = "avx2") {
+            thread_local!(static TABLEAU: RefCell<Tableau<Ymm2>> = RefCell::default());
+            return run_tableau_in(&TABLEAU, n, a, q);
+        }
+    }
+    thread_local!(static TABLEAU: RefCell<Tableau<F64x8<{ cfg!(target_arch = "aarch64") }>>> = RefCell::default());
+    run_tableau_in(&TABLEAU, n, a, q)
+}
+
+#[inline(always)]
+fn run_tableau_in<X: Lane<Number = f64>>(
+    home: &'static LocalKey<RefCell<Tableau<X>>>,
+    n: usize,
+    a: &[f64],
+    q: &[f64],
+) -> Option<(u128, usize)> {
+    let mut tableau = home.take();
+    let found = tableau.solve(n, a, q).then(|| (tableau.alpha(), tableau.pivots));
+    home.set(tableau);
+    found
 }
 
 /// What to do with the problem.
