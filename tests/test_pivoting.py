@@ -99,7 +99,7 @@ def test_enumerate_refuses_large_problems():
 @pytest.mark.parametrize("mass_ratio", [1e4, 1e6])
 @pytest.mark.parametrize("boxes", [5, 6, 8, 12, 16])
 def test_stacks_of_heavy_on_light_need_no_portfolio(boxes, mass_ratio):
-    """Errors of earlier pivots, times the mass ratio, must not be pivots: paths stay short and end on a basis of the solution."""
+    """Errors of earlier pivots, times the mass ratio, must not be pivots: paths stay short and end on a solution."""
     for seed in range(10):
         A, q = box_stack(boxes, mass_ratio, seed=seed)
         found = lcpstar.solve(A, q)

@@ -112,8 +112,8 @@ def solve_batch(
         computes z on them in double precision, False takes the single-precision z where it is good enough for `tol`
         (1e-4, say). The residuals are those of the given numbers, computed in double precision, in both cases.
     out : BatchSolution, optional
-        Results of an earlier call for a batch of the same shape, to be overwritten: a loop over frames then takes no memory
-        from the system, which costs a fifth of the time at n = 8. Their z or alpha may be the guess of this call.
+        Results of an earlier call for a batch of the same shape, to be overwritten: a loop over frames then takes no
+        memory from the system. Their z or alpha may be the guess of this call.
 
     Returns
     -------
@@ -281,10 +281,10 @@ def _results(
     for name, (shape, dtype) in layout.items():
         array = getattr(out, name)
         if array.shape != shape or array.dtype != dtype or not array.flags.c_contiguous:
-            raise ShapeError(
-                f"out.{name} must be C-contiguous {np.dtype(dtype)} of shape {shape}, got {array.dtype} of {array.shape}"
-            )
-    if (out.offsets is None) != (offsets is None) or not np.array_equal(out.offsets, offsets):
+            wanted, given = f"{np.dtype(dtype)} of shape {shape}", f"{array.dtype} of {array.shape}"
+            raise ShapeError(f"out.{name} must be C-contiguous {wanted}, got {given}")
+    same = out.offsets is offsets if out.offsets is None or offsets is None else np.array_equal(out.offsets, offsets)
+    if not same:
         raise ShapeError("out.offsets must be those of this batch")
     return out
 
