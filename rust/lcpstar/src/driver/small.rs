@@ -157,12 +157,16 @@ fn from_basis(problem: &Equilibrated<'_>, mask: u128, iterations: usize, tol: f6
     let alpha: Vec<usize> = (0..lcp.n()).filter(|i| mask >> i & 1 == 1).collect();
     let scaled = basic_point(&problem.lcp, &alpha)?;
     let z: Vec<f64> = problem.scaling.z_to_caller(&scaled).iter().map(|z| z.max(0.0)).collect();
-    if let Some(judged) = verify_point(lcp.n(), lcp.a(), lcp.q(), &z, tol) {
-        let certificate = Some(Certificate::Solution { alpha: alpha.clone(), exact: None });
-        return Some(Solution { iterations, certificate, alpha, ..solved(&judged) });
-    }
-    let point = Candidate::point(scaled, Termination::ComplementaryBasis, iterations);
-    let solution = certify(problem, Candidate { alpha: Some(alpha), ..point }, "lemke_small", tol);
+    let solution = match verify_point(lcp.n(), lcp.a(), lcp.q(), &z, tol) {
+        Some(judged) => {
+            let certificate = Some(Certificate::Solution { alpha: alpha.clone(), exact: None });
+            Solution { iterations, certificate, alpha, ..solved(&judged) }
+        }
+        None => {
+            let point = Candidate::point(scaled, Termination::ComplementaryBasis, iterations);
+            certify(problem, Candidate { alpha: Some(alpha), ..point }, "lemke_small", tol)
+        }
+    };
     (solution.status == Status::Solved && !doubt::misses_q(lcp, &solution)).then_some(solution)
 }
 
