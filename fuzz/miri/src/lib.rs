@@ -23,7 +23,7 @@ mod linalg {
 #[cfg(test)]
 mod tests {
     use super::small::lane::{BLOCK, F64x8, Lane, Mask};
-    use super::small::solve_one;
+    use super::small::{basis_by_tableau, solve_one};
 
     const X: [f64; 8] = [0.0, -1.5, 3.0, 1e300, -0.0, 5e-324, 7.25, -2.0];
     const Y: [f64; 8] = [1.0, -1.5, -3.0, 1e-300, 0.0, 2.0, 0.5, f64::INFINITY];
@@ -73,11 +73,9 @@ mod tests {
             for (k, column) in out.iter().enumerate() {
                 assert_eq!(numbers(*column), std::array::from_fn(|l| (10 * l + k) as f64));
             }
-            let mut back = [[0.0; BLOCK]; 8];
-            L::store_columns(&out, &mut back);
-            for l in 0..8 {
-                assert_eq!(back[l][..columns], rows[l][..]);
-            }
+            let mut back = vec![0.0; 7 * columns + BLOCK];
+            L::store_columns(&out, &mut back, columns);
+            assert_eq!(back[..8 * columns], rows.concat());
         }
         for count in [1, 2, 9] {
             let table: Vec<L> = (0..count).map(|i| L::splat(i as f64)).collect();
@@ -124,6 +122,7 @@ mod tests {
                 let w = q[i] + (0..n).map(|j| a[i * n + j] * found.z()[j]).sum::<f64>();
                 assert!(found.z()[i] >= 0.0 && w > -1e-12 && (found.z()[i] * w).abs() < 1e-9);
             }
+            assert_eq!(basis_by_tableau(n, &a, &q).map(|(alpha, _)| alpha), Some(found.alpha), "n = {n}");
         }
         assert!(solve_one(1, &[-1.0], &[-1.0], 1e-9).is_none());
     }
