@@ -355,6 +355,9 @@ fn explain(
 }
 
 #[cfg(test)]
+mod fast_verdicts;
+
+#[cfg(test)]
 mod tests {
     use super::*;
     use crate::problem::Lcp;

@@ -392,6 +392,3 @@ pub struct Judged {
     /// Bound of the natural residual in the caller's units.
     pub natural_residual: f64,
 }
-
-#[cfg(test)]
-mod tests;

@@ -1,12 +1,12 @@
 //! What the fast verdicts accept, `certify` accepts: on points near solutions, in any units, with the errors that each view of
 //! the verdict is there for.
 
-use super::super::lane::{F64x8, Lane, Mask};
-use super::super::verify_point;
-use super::verify;
-use crate::certify::certify;
+use super::certify;
 use crate::problem::Lcp;
 use crate::scaling::{Equilibrated, times_power_of_two};
+use crate::small::lane::{F64x8, Lane, Mask};
+use crate::small::verify::verify;
+use crate::small::verify_point;
 use crate::solution::Candidate;
 use crate::status::{Status, Termination};
 use fastrand::Rng;
