@@ -104,9 +104,11 @@ pub(super) fn solve_part(lcp: &Lcp, settings: &Settings, control: &Control<'_>) 
         Answer::Basis { alpha, iterations } if !is_for_tableau => Some((alpha, iterations)),
         Answer::Basis { .. } | Answer::None => None,
     };
+    if found.is_none() && !is_for_tableau {
+        return None;
+    }
     let problem = balanced.unwrap_or_else(|| Equilibrated::new(lcp));
-    let by_tableau = || if is_for_tableau { basis_by_tableau(n, problem.lcp.a(), problem.lcp.q()) } else { None };
-    let (alpha, iterations) = found.or_else(by_tableau)?;
+    let (alpha, iterations) = found.or_else(|| basis_by_tableau(n, problem.lcp.a(), problem.lcp.q()))?;
     from_basis(&problem, alpha, iterations, settings.tol)
 }
 
