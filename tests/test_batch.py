@@ -222,7 +222,7 @@ def test_degenerate_contacts_do_not_need_the_general_solver(n):
 
 def test_results_bear_the_names_that_solve_gives():
     """Two unconnected blocks, too large for the kernels: `solve` answers them piece by piece, and the batch says so."""
-    (smooth, rough), n = (random_pd(1, 100), stewart_trinkle(1, 96)), 196
+    (smooth, rough), n = (random_spd(1, 100), stewart_trinkle(1, 96)), 196
     A = np.zeros((n, n))
     A[:100, :100], A[100:, 100:] = smooth[0][0], rough[0][0]
     q = np.concatenate([smooth[1][0], rough[1][0]])

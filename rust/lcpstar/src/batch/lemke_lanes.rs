@@ -10,7 +10,8 @@
 
 use super::newton::{Tile, multiply};
 use crate::small::lane::{Lane, Mask};
-use crate::small::lemke::{CANCELLED, NOISE, PIVOT_TOLERANCE, ROUNDING, TIE, spread};
+use crate::small::lemke::{CANCELLED, PIVOT_TOLERANCE, ROUNDING, TIE, spread};
+use crate::small::tableau::NOISE;
 
 /// Memory for [`Pivots::solve`].
 pub struct Pivots<X: Lane> {

@@ -11,10 +11,10 @@ use crate::scaling::Equilibrated;
 use crate::small::TINY_ORDER;
 #[cfg(target_arch = "x86_64")]
 use crate::small::avx::{Ymm2, Zmm, ZmmS};
+use crate::small::dispatch::{Task as Kernel, run as run_kernel};
 #[cfg(target_arch = "x86_64")]
 use crate::small::lane::Pair;
 use crate::small::lane::{F32x16, F64x8, Lane};
-use crate::small::lemke::Basis;
 use crate::solution::{Candidate, Solution};
 use crate::status::{Status, Termination};
 use multiversion::multiversion;
@@ -83,21 +83,21 @@ pub fn work<'a>(
     {
         if target_cfg_f!(target_feature = "avx512f") {
             if problems.n > PAIR_ORDER {
-                return run::<Zmm, Zmm, ZmmS, 0>(problems, settings, next);
+                return run::<Zmm, ZmmS, 0>(problems, settings, next);
             }
             return match problems.n {
-                4 => run::<Pair<Zmm>, Zmm, ZmmS, 4>(problems, settings, next),
-                8 => run::<Pair<Zmm>, Zmm, ZmmS, 8>(problems, settings, next),
-                12 => run::<Pair<Zmm>, Zmm, ZmmS, 12>(problems, settings, next),
-                16 => run::<Pair<Zmm>, Zmm, ZmmS, 16>(problems, settings, next),
-                _ => run::<Pair<Zmm>, Zmm, ZmmS, 0>(problems, settings, next),
+                4 => run::<Pair<Zmm>, ZmmS, 4>(problems, settings, next),
+                8 => run::<Pair<Zmm>, ZmmS, 8>(problems, settings, next),
+                12 => run::<Pair<Zmm>, ZmmS, 12>(problems, settings, next),
+                16 => run::<Pair<Zmm>, ZmmS, 16>(problems, settings, next),
+                _ => run::<Pair<Zmm>, ZmmS, 0>(problems, settings, next),
             };
         }
         if target_cfg_f!(target_feature = "avx2") {
             return match problems.n {
-                4 => run::<Ymm2, Ymm2, F32x16<true>, 4>(problems, settings, next),
-                8 => run::<Ymm2, Ymm2, F32x16<true>, 8>(problems, settings, next),
-                _ => run::<Ymm2, Ymm2, F32x16<true>, 0>(problems, settings, next),
+                4 => run::<Ymm2, F32x16<true>, 4>(problems, settings, next),
+                8 => run::<Ymm2, F32x16<true>, 8>(problems, settings, next),
+                _ => run::<Ymm2, F32x16<true>, 0>(problems, settings, next),
             };
         }
     }
@@ -112,19 +112,19 @@ fn portable<'a>(
     next: &(dyn Fn() -> Option<Chunk<'a>> + Sync),
 ) -> Result<()> {
     const FUSED: bool = cfg!(target_arch = "aarch64");
-    run::<F64x8<FUSED>, F64x8<FUSED>, F32x16<FUSED>, 0>(problems, settings, next)
+    run::<F64x8<FUSED>, F32x16<FUSED>, 0>(problems, settings, next)
 }
 
-/// `X` holds problems side by side, `S` such in single precision, `Y` the rows of one problem; `N` is the order if known at compile time, else 0.
+/// `X` holds problems side by side, `S` such in single precision; `N` is the order if known at compile time, else 0.
 #[inline(always)]
-fn run<'a, X: Lane<Number = f64>, Y: Lane<Number = f64>, S: Lane<Number = f32>, const N: usize>(
+fn run<'a, X: Lane<Number = f64>, S: Lane<Number = f32>, const N: usize>(
     problems: &Problems<'_>,
     settings: &Settings<'_>,
     next: &(dyn Fn() -> Option<Chunk<'a>> + Sync),
 ) -> Result<()> {
     let n = problems.n;
     let auto = matches!(settings.method, driver::Method::Auto);
-    let mut worker = Worker::<Y>::new(n);
+    let mut worker = Worker::new(n);
     let mut lanes = Lanes::<X, S>::new(if auto && n <= GUESS_ORDER { n } else { 0 }, problems);
     while let Some(mut chunk) = next() {
         worker.waiting.clear();
@@ -147,24 +147,22 @@ pub(super) struct Task<'a> {
 }
 
 /// Memory of one thread for problems that take turns.
-struct Worker<X: Lane> {
+struct Worker {
     n: usize,
-    basis: Basis<X>,
-    w: Vec<f64>,
     a: Vec<f64>,
     q: Vec<f64>,
+    /// The basis on which the kernel ended.
+    basic: Vec<bool>,
     /// Problems of the chunk that are not solved yet.
     waiting: Vec<usize>,
 }
 
-impl<X: Lane<Number = f64>> Worker<X> {
-    #[inline(always)]
+impl Worker {
     fn new(n: usize) -> Self {
-        Self { n, basis: Basis::default(), w: vec![0.0; n], a: vec![0.0; n * n], q: vec![0.0; n], waiting: Vec::new() }
+        Self { n, a: vec![0.0; n * n], q: vec![0.0; n], basic: vec![false; n], waiting: Vec::new() }
     }
 
     /// Lemke's method for each problem that waits; the general solver for what that leaves.
-    #[inline(always)]
     fn one_by_one(&mut self, task: &Task<'_>, output: &mut Output<'_>) -> Result<()> {
         let (n, settings) = (self.n, task.settings);
         let mut general = driver::Settings {
@@ -194,24 +192,27 @@ impl<X: Lane<Number = f64>> Worker<X> {
             }
             // Above it, the general solver's path from the guess is the cheaper one.
             let by_kernel = by_lemke && (!guessed || n <= TINY_ORDER);
+            let range = k * n..(k + 1) * n;
+            let mut found_basis = None;
             if by_kernel {
-                let judged = self.basis.solve_and_verify(n, &self.a, &self.q, &mut self.w, settings.tol);
-                if let Some(judged) = judged {
-                    for i in 0..n {
-                        output.z[k * n + i] = self.basis.z(i);
-                    }
-                    output.w[k * n..(k + 1) * n].copy_from_slice(&self.w);
+                let (z, w) = (&mut output.z[range.clone()], &mut output.w[range.clone()]);
+                let kernel = Kernel::Solve { z, basic: &mut self.basic };
+                let outcome = run_kernel(kernel, &self.a, &self.q, w, settings.tol);
+                if let Some(judged) = outcome.judged {
                     output.status[k] = Status::Solved as u8;
                     output.method[k] = LEMKE;
-                    output.iterations[k] = self.basis.pivots as u32;
+                    output.iterations[k] = outcome.pivots as u32;
                     output.residual[k] = judged.residual;
                     output.natural_residual[k] = judged.natural_residual;
-                    output.alpha.write(n, k, |i| self.basis.is_basic(i));
+                    output.alpha.write(n, k, |i| self.basic[i]);
                     continue;
                 }
+                found_basis = outcome.found_basis.then_some(outcome.pivots);
             }
             let lcp = lcp.map_or_else(|| self.problem(place), Ok)?;
-            let solution = match self.unverified_point(by_kernel, &lcp, settings.tol) {
+            let unverified =
+                found_basis.and_then(|pivots| self.unverified_point(&output.z[range], pivots, &lcp, settings.tol));
+            let solution = match unverified {
                 Some(solution) => solution,
                 None => driver::solve(&lcp, &general, &control).map_err(|error| in_batch(error, place))?,
             };
@@ -221,7 +222,7 @@ impl<X: Lane<Number = f64>> Worker<X> {
     }
 }
 
-impl<X: Lane<Number = f64>> Worker<X> {
+impl Worker {
     /// The problem that was copied last, from that place of the batch.
     fn problem(&self, place: usize) -> Result<Lcp> {
         Lcp::new(self.n, self.a.clone(), self.q.clone()).map_err(|error| in_batch(error, place))
@@ -229,15 +230,10 @@ impl<X: Lane<Number = f64>> Worker<X> {
 
     /// A basis that Lemke's method found and could not verify row by row, judged on the equilibrated problem; the general
     /// solver is asked where there is doubt.
-    fn unverified_point(&self, tried: bool, lcp: &Lcp, tol: f64) -> Option<Solution> {
-        if !tried || !self.basis.found_basis {
-            return None;
-        }
+    fn unverified_point(&self, z: &[f64], pivots: usize, lcp: &Lcp, tol: f64) -> Option<Solution> {
         let problem = Equilibrated::new(lcp);
-        let z: Vec<f64> = (0..self.n).map(|j| self.basis.z(j)).collect();
-        let alpha = (0..self.n).filter(|&j| self.basis.is_basic(j)).collect();
-        let point =
-            Candidate::point(problem.scaling.z_from_caller(&z), Termination::ComplementaryBasis, self.basis.pivots);
+        let alpha = (0..self.n).filter(|&j| self.basic[j]).collect();
+        let point = Candidate::point(problem.scaling.z_from_caller(z), Termination::ComplementaryBasis, pivots);
         let solution = certify(&problem, Candidate { alpha: Some(alpha), ..point }, METHODS[usize::from(LEMKE)], tol);
         (solution.status == Status::Solved && !doubt::misses_q(lcp, &solution)).then_some(solution)
     }

@@ -88,7 +88,7 @@ fn what_is_accepted_is_certified() {
         let w: Vec<Lanes> = (0..n).map(|i| (0..n).fold(q[i], |sum, j| sum.add_product(a[i * n + j], z[j]))).collect();
         let verdict = verify::<Lanes, 0>(n, &a, &q, &z, &w, tol);
         for (l, point) in points.iter().enumerate() {
-            let alone = verify_point(n, &point.a, &point.q, &point.z, tol);
+            let alone = verify_point(&point.a, &point.q, tol, &point.z, &mut vec![0.0; n]);
             let certified = is_certified(n, point, tol);
             assert!(
                 certified || !verdict.solved.get(l),

@@ -12,7 +12,7 @@ use crate::presolve::{self, Plan};
 use crate::problem::Lcp;
 use crate::residual::natural_residual;
 use crate::scaling::Equilibrated;
-use crate::small::{Answer, TINY_ORDER, TinySolution, basis_by_tableau, solve_scaled, verify_point};
+use crate::small::{self, Answer, TINY_ORDER, Verified, verify_point};
 use crate::solution::{Candidate, Certificate, Solution};
 use crate::status::{Status, Termination};
 
@@ -52,10 +52,8 @@ fn is_plain(settings: &Settings, control: &Control<'_>) -> bool {
 pub(super) fn from_guess(lcp: &Lcp, settings: &Settings) -> Option<Solution> {
     let n = lcp.n();
     let z0 = settings.z0.as_deref().filter(|_| n <= TINY_ORDER)?;
-    let verified = |z: &[f64], alpha: Vec<usize>, iterations: usize| {
-        let judged = verify_point(n, lcp.a(), lcp.q(), z, settings.tol)?;
-        let certificate = Some(Certificate::Solution { alpha: alpha.clone(), exact: None });
-        Some(Solution { method: "warm_start", iterations, certificate, alpha, ..solved(&judged) })
+    let verified = |z: Vec<f64>, alpha: Vec<usize>, iterations: usize| {
+        Some(Solution { method: "warm_start", iterations, ..with_basis(alpha, verified(lcp, z, settings.tol)?) })
     };
     let options =
         block_pivoting::Settings { alpha: Some(support(z0)), patience: 1, ..block_pivoting::Settings::default() };
@@ -63,9 +61,9 @@ pub(super) fn from_guess(lcp: &Lcp, settings: &Settings) -> Option<Solution> {
     let found = block_pivoting::block_pivoting(lcp, &options, &limit);
     let basis = found.alpha.and_then(|alpha| {
         let z: Vec<f64> = found.z.iter().map(|z| z.max(0.0)).collect();
-        verified(&z, alpha, found.iterations - 1)
+        verified(z, alpha, found.iterations - 1)
     });
-    basis.or_else(|| verified(z0, support(z0), 0))
+    basis.or_else(|| verified(z0.to_vec(), support(z0), 0))
 }
 
 /// Factorisations granted to a guess.
@@ -80,43 +78,36 @@ pub(super) fn solve_part(lcp: &Lcp, settings: &Settings, control: &Control<'_>) 
         return None;
     }
     let balanced = equilibrated_if_unbalanced(lcp);
-    let by_blocks = n > KERNEL_FIRST_UP_TO || (n > SWEEPS_FROM && lcp.is_symmetric());
-    if by_blocks
+    if n > KERNEL_FIRST_UP_TO
+        && lcp.is_symmetric()
         && let Some((z, alpha, iterations)) = by_block_pivoting(lcp, balanced.as_ref(), control)
-        && let Some(judged) = verify_point(n, lcp.a(), lcp.q(), &z, settings.tol)
+        && let Some(solution) = verified(lcp, z, settings.tol)
     {
-        let certificate = Some(Certificate::Solution { alpha: alpha.clone(), exact: None });
         let method = if alpha.is_empty() { "trivial" } else { "block_pivoting" };
-        return Some(Solution { method, iterations, certificate, alpha, ..solved(&judged) });
+        return Some(Solution { method, iterations, ..with_basis(alpha, solution) });
     }
-    // Singular symmetric problems of this size are for shifted blocks, in the portfolio.
-    if n > KERNEL_FIRST_UP_TO && lcp.is_symmetric() {
-        return None;
-    }
-    // Stacks of heavy on light: see the module of the tableau.
-    let is_for_tableau = is_unbalanced(lcp) && lcp.is_symmetric();
-    let answer = match &balanced {
-        Some(_) if is_for_tableau => Answer::None,
-        _ => solve_scaled(n, lcp.a(), lcp.q(), balanced.as_ref().map(|problem| &problem.scaling), settings.tol),
+    let (mut z, mut w) = (vec![0.0; n], vec![0.0; n]);
+    let worked_on = balanced.as_ref().map_or(lcp, |problem| &problem.lcp);
+    let answer = small::solve(worked_on.a(), worked_on.q(), settings.tol, &mut z, &mut w);
+    let (alpha, iterations) = match answer {
+        Answer::Solved(answer) if balanced.is_none() => return Some(solved(z, w, &answer)),
+        Answer::Solved(Verified { alpha, iterations, .. }) | Answer::Basis { alpha, iterations } => {
+            (members(n, alpha), iterations)
+        }
+        Answer::None => return None,
     };
-    let found = match answer {
-        Answer::Solved(answer) => return Some(solved(&answer)),
-        Answer::Basis { alpha, iterations } if !is_for_tableau => Some((alpha, iterations)),
-        Answer::Basis { .. } | Answer::None => None,
-    };
-    if found.is_none() && !is_for_tableau {
-        return None;
-    }
     let problem = balanced.unwrap_or_else(|| Equilibrated::new(lcp));
-    let (alpha, iterations) = found.or_else(|| basis_by_tableau(n, problem.lcp.a(), problem.lcp.q()))?;
+    if matches!(answer, Answer::Solved(_))
+        && let Some(solution) = verified(lcp, problem.scaling.z_to_caller(&z), settings.tol)
+    {
+        return Some(Solution { iterations, ..with_basis(alpha, solution) });
+    }
     from_basis(&problem, alpha, iterations, settings.tol)
 }
 
-/// Up to this order the kernel's pivots are cheaper than LU factorisations.
+/// Up to this order the kernel's pivots are cheaper than the few factorisations of a symmetric A that block pivoting needs.
 const KERNEL_FIRST_UP_TO: usize = 64;
-/// Above this order, a symmetric A gets a few steps of block pivoting before the kernel.
-const SWEEPS_FROM: usize = 20;
-/// Factorisations granted to them.
+/// Factorisations granted to block pivoting above it.
 const FACTORISATIONS: usize = 8;
 /// Above this order, the kernel works on the equilibrated problem where A is unbalanced.
 const SCALED_FROM: usize = 16;
@@ -154,16 +145,12 @@ pub(super) fn by_block_pivoting(
 
 /// A basis that pivots led to, its point solved for again on the original numbers: where many pivots have lost digits, as with
 /// mass ratios of 10^6, the basis may be right all the same.
-fn from_basis(problem: &Equilibrated<'_>, mask: u128, iterations: usize, tol: f64) -> Option<Solution> {
+fn from_basis(problem: &Equilibrated<'_>, alpha: Vec<usize>, iterations: usize, tol: f64) -> Option<Solution> {
     let lcp = problem.original;
-    let alpha: Vec<usize> = (0..lcp.n()).filter(|i| mask >> i & 1 == 1).collect();
     let scaled = basic_point(&problem.lcp, &alpha)?;
     let z: Vec<f64> = problem.scaling.z_to_caller(&scaled).iter().map(|z| z.max(0.0)).collect();
-    let solution = match verify_point(lcp.n(), lcp.a(), lcp.q(), &z, tol) {
-        Some(judged) => {
-            let certificate = Some(Certificate::Solution { alpha: alpha.clone(), exact: None });
-            Solution { iterations, certificate, alpha, ..solved(&judged) }
-        }
+    let solution = match verified(lcp, z, tol) {
+        Some(solution) => Solution { iterations, ..with_basis(alpha, solution) },
         None => {
             let point = Candidate::point(scaled, Termination::ComplementaryBasis, iterations);
             certify(problem, Candidate { alpha: Some(alpha), ..point }, "lemke_small", tol)
@@ -187,10 +174,8 @@ fn solve_parts(lcp: &Lcp, plan: &Plan, settings: &Settings, control: &Control<'_
         pieces.push((part.indices.clone(), solution.method));
     }
     alpha.sort_unstable();
-    let judged = verify_point(lcp.n(), lcp.a(), lcp.q(), &z, settings.tol)?;
-    let method = pieces::name(&pieces);
-    let certificate = Some(Certificate::Solution { alpha: alpha.clone(), exact: None });
-    Some(Solution { method, iterations, certificate, alpha, pieces, ..solved(&judged) })
+    let whole = verified(lcp, z, settings.tol)?;
+    Some(Solution { method: pieces::name(&pieces), iterations, pieces, ..with_basis(alpha, whole) })
 }
 
 /// Whether block pivoting is likely to end: the diagonal is positive, and A symmetric or without a zero in its first row, which
@@ -214,10 +199,26 @@ fn is_unbalanced(lcp: &Lcp) -> bool {
 
 const UNBALANCED: f64 = 1e2;
 
+/// The i below n whose bit is set.
+fn members(n: usize, bits: u128) -> Vec<usize> {
+    (0..n).filter(|i| bits >> i & 1 == 1).collect()
+}
+
+/// A point that was found elsewhere, `z >= 0`, as a solution, if it is one.
+fn verified(lcp: &Lcp, z: Vec<f64>, tol: f64) -> Option<Solution> {
+    let mut w = vec![0.0; lcp.n()];
+    let answer = verify_point(lcp.a(), lcp.q(), tol, &z, &mut w)?;
+    Some(solved(z, w, &answer))
+}
+
+/// The same solution, with the basis that led to it in place of its support.
+fn with_basis(alpha: Vec<usize>, solution: Solution) -> Solution {
+    Solution { certificate: Some(Certificate::Solution { alpha: alpha.clone(), exact: None }), alpha, ..solution }
+}
+
 /// The kernel verified its answer by the rule of [`certify`](crate::certify::certify).
-fn solved(answer: &TinySolution) -> Solution {
-    let alpha: Vec<usize> = (0..answer.n).filter(|i| answer.alpha >> i & 1 == 1).collect();
-    let (z, w) = (answer.z().to_vec(), answer.w().to_vec());
+fn solved(z: Vec<f64>, w: Vec<f64>, answer: &Verified) -> Solution {
+    let alpha = members(z.len(), answer.alpha);
     Solution {
         natural_residual: natural_residual(&z, &w),
         z,

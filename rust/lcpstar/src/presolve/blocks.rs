@@ -1,7 +1,7 @@
 //! Islands and the block-triangular order.
 
 use super::Part;
-use super::connected::reach;
+use super::connected::{is_strongly_connected, reach};
 use super::pattern::{Pattern, Set, indices, meet, next_common};
 use crate::linalg::backend::DenseCholesky;
 use crate::pivoting::basis::principal_block;
@@ -18,10 +18,10 @@ pub fn first_reaches_all(lcp: &Lcp) -> bool {
 /// It is taken apart only where every block on which others depend is a P-matrix by a sufficient test: its solution is
 /// then unique whatever its q is, and the blocks after it lose no solution.
 pub fn parts(lcp: &Lcp, pattern: &Pattern, island: &[usize]) -> Vec<Part> {
-    let mut blocks = strong_components(pattern, island);
-    if let [block] = &mut blocks[..] {
-        return vec![Part { indices: std::mem::take(block), follows: false }];
+    if is_strongly_connected(pattern, island) {
+        return vec![Part { indices: island.to_vec(), follows: false }];
     }
+    let blocks = strong_components(pattern, island);
     let sets: Vec<Set> = blocks
         .iter()
         .map(|block| {

@@ -2,20 +2,25 @@
 
 use super::pattern::{Pattern, Set, indices};
 
-/// Whether the graph with an edge from i to j where `a_ij != 0` is strongly connected. O(n^2 / 64).
-pub fn is_strongly_connected(pattern: &Pattern) -> bool {
-    reached(pattern, |i| [pattern.row(i), &[]]) && reached(pattern, |i| [pattern.column(i), &[]])
+/// Whether the graph on `island` with an edge from i to j where `a_ij != 0` is strongly connected. O(n^2 / 64).
+pub fn is_strongly_connected(pattern: &Pattern, island: &[usize]) -> bool {
+    let forward = |i| [pattern.row(i), &[]];
+    let backward = |i| [pattern.column(i), &[]];
+    reaches_all(pattern, island, forward) && reaches_all(pattern, island, backward)
 }
 
-/// Whether all indices are reached from index 0.
-fn reached<'a>(pattern: &'a Pattern, edges: impl Fn(usize) -> [&'a [u64]; 2]) -> bool {
-    let mut seen = pattern.empty();
-    reach(0, &mut seen, edges).len() == pattern.n()
+/// Whether all of `island` is reached from its first index.
+fn reaches_all<'a>(pattern: &'a Pattern, island: &[usize], edges: impl Fn(usize) -> [&'a [u64]; 2]) -> bool {
+    // What is not of the island counts as seen.
+    let mut seen = Set(vec![u64::MAX; pattern.empty().0.len()]);
+    island.iter().for_each(|&i| seen.remove(i));
+    island.first().is_none_or(|&start| reach(start, &mut seen, edges).len() == island.len())
 }
 
 /// The indices reached from `start` by edges that were not `seen` before, itself the first.
 pub fn reach<'a>(start: usize, seen: &mut Set, edges: impl Fn(usize) -> [&'a [u64]; 2]) -> Vec<usize> {
-    let mut found = vec![start];
+    let mut found = Vec::with_capacity(64 * seen.0.len());
+    found.push(start);
     seen.insert(start);
     let mut next = 0;
     while let Some(&i) = found.get(next) {
@@ -41,7 +46,7 @@ mod tests {
         entries.iter().for_each(|&(i, j)| a[i * n + j] = -1.0);
         let mut pattern = Pattern::of(&Lcp::new(n, a, vec![1.0; n]).expect("valid"));
         pattern.transpose();
-        is_strongly_connected(&pattern)
+        is_strongly_connected(&pattern, &(0..n).collect::<Vec<_>>())
     }
 
     #[test]
@@ -55,5 +60,16 @@ mod tests {
         assert!(!one_part(3, &[(0, 1), (1, 0), (1, 2), (2, 2)]));
         assert!(!one_part(3, &[(0, 1), (1, 0), (2, 0)]));
         assert!(!one_part(4, &[(0, 1), (1, 0), (2, 3), (3, 2)]));
+    }
+
+    #[test]
+    fn a_part_of_the_graph_is_looked_at_alone() {
+        let mut a = vec![0.0; 25];
+        // 1 -> 3 -> 4 -> 1, and 0 and 2 between 1 and 3.
+        [(1, 3), (3, 4), (4, 1), (1, 0), (0, 2), (2, 3)].iter().for_each(|&(i, j)| a[i * 5 + j] = 1.0);
+        let mut pattern = Pattern::of(&Lcp::new(5, a, vec![1.0; 5]).expect("valid"));
+        pattern.transpose();
+        assert!(is_strongly_connected(&pattern, &[1, 3, 4]) && is_strongly_connected(&pattern, &[0, 1, 2, 3, 4]));
+        assert!(!is_strongly_connected(&pattern, &[1, 3]) && !is_strongly_connected(&pattern, &[0, 1, 2]));
     }
 }

@@ -50,11 +50,12 @@ pub fn plan(lcp: &Lcp) -> Option<Plan> {
         return None;
     }
     pattern.transpose();
-    if kept.is_none() && connected::is_strongly_connected(&pattern) {
+    let everything: Vec<usize> = (0..n).collect();
+    if kept.is_none() && connected::is_strongly_connected(&pattern, &everything) {
         return None;
     }
     let mut all = pattern.empty();
-    (0..n).for_each(|i| _ = all.insert(i));
+    everything.iter().for_each(|&i| _ = all.insert(i));
     let mut parts = Vec::new();
     for island in blocks::islands(&pattern, &all) {
         if island.len() <= SMALL {

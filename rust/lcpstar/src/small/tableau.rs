@@ -1,185 +1,401 @@
-//! Lemke's method on the whole condensed tableau, for one small problem: rows that depend on others keep doing so to the last
-//! bit, because all of them see the same row operations. The smaller [`Basis`](super::lemke::Basis) computes its columns from an
-//! inverse, whose errors show in such rows as small pivots where, as with mass ratios of 10^6, it has large entries.
-//! [CPS92, sec. 4.4]
+//! The condensed tableau of one small problem, in memory that is used again. [CPS92, sec. 2.3]
 //!
-//! `basic_i = rhs_i + sum_j t_ij nonbasic_j`, n rows and n + 1 columns, exchanged in place. Labels are signed: `j + 1` for w_j,
-//! `-(j + 1)` for z_j, 0 for z_0; minus a label is its complement.
+//! `basic_i = value_i + sum_j t_ij nonbasic_j`: n rows, and n + 1 columns kept as vectors, in which a pivot exchanges one
+//! variable of each kind. Rows that depend on others keep doing so, because all of them see the same row operations; what is
+//! computed from an inverse of the basic block shows its errors there as small pivots.
 
-use super::lane::Lane;
-use super::lemke::{PIVOTS_PER_ROW, WIDTH, at, first_to_reach_zero, grow, put, spread};
+use super::lane::{BLOCK, Lane, Mask};
+use super::lemke::Covering;
 
-/// The tableau, in memory that is used again. Vectors of numbers are padded.
+/// Numbers per column are padded to a multiple of this.
+pub(super) const WIDTH: usize = 8;
+
+/// Vectors per column up to which the whole tableau stays in the nearest cache, so that every pivot may pass over it.
+const NARROW: usize = 8;
+
+/// Pivots that wider columns wait for, to be brought near once for all of them.
+const DELAY: usize = 8;
+
+/// Columns that all late pivots reach before the next ones.
+const GROUP: usize = 8;
+
+/// A value that cancels to less than this part of itself is rounding error, and zero.
+pub(crate) const NOISE: f64 = 1e-14;
+
+/// Variables are numbered: `w_j` is j, `z_j` is `n + j`, `z_0` is `2 n`.
 pub struct Tableau<X> {
-    /// Row i at `i width`.
-    t: Vec<X>,
-    /// Vectors per row of t.
+    n: usize,
+    /// Vectors per column.
     width: usize,
-    rhs: Vec<X>,
-    basic: Vec<i32>,
-    nonbasic: Vec<i32>,
-    /// Of the driving variable.
-    column: Vec<X>,
-    ratio: Vec<X>,
-    /// The new pivot row.
-    row: Vec<X>,
-    /// Pivots of the last run.
-    pub pivots: usize,
+    /// Column j at `j width`; at first those of A, then the covering vector.
+    t: Vec<X>,
+    /// The basic variables, by row.
+    value: Vec<X>,
+    /// The driving columns of the late pivots, then the one in use.
+    driving: Vec<X>,
+    /// Pivots that some columns have not seen.
+    late: Vec<Pivot>,
+    /// How many of them column j has seen.
+    seen: Vec<usize>,
+    /// The variable of each row.
+    basic: Vec<usize>,
+    /// The row of each basic variable, the column of each other one.
+    place: Vec<usize>,
+}
+
+/// What a pivot in row r with driving column c does to the others: with `p = -t_r / c_r`, column t becomes `t + p c`, and p in
+/// row r.
+#[derive(Clone, Copy)]
+struct Pivot {
+    r: usize,
+    /// `-1 / c_r`.
+    factor: f64,
+}
+
+impl Pivot {
+    #[inline(always)]
+    fn apply<X: Lane<Number = f64>>(self, c: &[X], t: &mut [X]) {
+        let entry = at(t, self.r);
+        if entry == 0.0 {
+            return;
+        }
+        let p = entry * self.factor;
+        let factor = X::splat(p);
+        for (t, c) in t.iter_mut().zip(c) {
+            *t = t.add_product(*c, factor);
+        }
+        put(t, self.r, p);
+    }
 }
 
 impl<X> Default for Tableau<X> {
     fn default() -> Self {
         Self {
-            t: Vec::new(),
+            n: 0,
             width: 0,
-            rhs: Vec::new(),
+            t: Vec::new(),
+            value: Vec::new(),
+            driving: Vec::new(),
+            late: Vec::new(),
+            seen: Vec::new(),
             basic: Vec::new(),
-            nonbasic: Vec::new(),
-            column: Vec::new(),
-            ratio: Vec::new(),
-            row: Vec::new(),
-            pivots: 0,
+            place: Vec::new(),
         }
     }
 }
 
 impl<X: Lane<Number = f64>> Tableau<X> {
-    /// Runs the method; `true` if it ended with a complementary basis. O(n^2) a pivot.
+    /// `w = q + A z + d z_0` for the row-major `a`. `false` if a number of it is not finite: the pivots may never come across it.
+    /// O(n^2).
     #[inline(always)]
-    pub fn solve(&mut self, n: usize, a: &[f64], q: &[f64]) -> bool {
-        self.pivots = 0;
-        let Some(mut row) = self.start(n, a, q) else {
-            return true;
-        };
-        let (mut artificial, mut slot) = (row, n);
-        loop {
-            self.gather(slot);
-            if self.pivots > 0 {
-                let Some(blocking) = first_to_reach_zero(&self.column, &self.rhs, &mut self.ratio, artificial) else {
-                    return false;
-                };
-                row = blocking;
-            }
-            let left = self.exchange(row, slot);
-            self.pivots += 1;
-            if left == 0 {
-                return true;
-            }
-            if self.pivots >= PIVOTS_PER_ROW * n {
-                return false;
-            }
-            if self.pivots == 1 {
-                artificial = row;
-            }
-            let Some(next) = self.nonbasic.iter().position(|&label| label == -left) else {
-                return false;
-            };
-            slot = next;
-        }
-    }
-
-    /// Bit j: z_j is basic at the end.
-    #[inline(always)]
-    pub fn alpha(&self) -> u128 {
-        self.basic.iter().filter(|&&label| label < 0).fold(0, |mask, label| mask | 1 << (-label - 1))
-    }
-
-    /// `w = q + A z + d z_0`, and the row that becomes nonnegative last. `None` if `q >= 0`.
-    #[inline(always)]
-    fn start(&mut self, n: usize, a: &[f64], q: &[f64]) -> Option<usize> {
-        let (width, rows, zero) = ((n + 1).div_ceil(WIDTH), n.div_ceil(WIDTH), X::splat(0.0));
-        self.width = width;
-        self.t.resize(n * width, zero);
-        for v in [&mut self.rhs, &mut self.column, &mut self.ratio] {
-            v.clear();
-            v.resize(rows, zero);
-        }
-        self.row.resize(width, zero);
-        self.basic.clear();
-        self.nonbasic.clear();
-        self.nonbasic.extend((0..n as i32).map(|j| -(j + 1)));
-        self.nonbasic.push(0);
-        let (mut last, mut largest) = (None, 0.0);
-        for (i, (numbers, &q)) in a.chunks_exact(n).zip(q).enumerate() {
-            let row = &mut self.t[i * width..(i + 1) * width];
-            row[width - 1] = zero;
-            for (x, numbers) in row.iter_mut().zip(numbers.chunks(WIDTH)) {
-                *x = X::from_slice(numbers);
-            }
-            put(row, n, spread(i));
-            put(&mut self.rhs, i, q);
-            self.basic.push(i as i32 + 1);
-            if -q / spread(i) > largest {
-                (last, largest) = (Some(i), -q / spread(i));
-            }
-        }
-        last
-    }
-
-    #[inline(always)]
-    fn gather(&mut self, slot: usize) {
-        for i in 0..self.basic.len() {
-            let x = at(&self.t[i * self.width..(i + 1) * self.width], slot);
-            put(&mut self.column, i, x);
-        }
-    }
-
-    /// The variables of a row and of a column change places; the label of the one that leaves the basis.
-    ///
-    /// With c the column and p the new pivot row, `t_ij + c_i p_j`, but `c_i p_s` in the column itself.
-    #[inline(always)]
-    fn exchange(&mut self, r: usize, slot: usize) -> i32 {
+    pub fn load(&mut self, a: &[f64], q: &[f64], covering: Covering) -> bool {
+        let n = q.len();
+        self.resize(n);
         let width = self.width;
-        let reciprocal = 1.0 / at(&self.column, r);
-        let minus = X::splat(-reciprocal);
-        for (p, t) in self.row.iter_mut().zip(&self.t[r * width..(r + 1) * width]) {
-            *p = t.mul(minus);
+        for (value, q) in self.value.iter_mut().zip(q.chunks(WIDTH)) {
+            *value = X::from_slice(q);
         }
-        for (i, t) in self.t.chunks_exact_mut(width).enumerate() {
-            let entry = at(&self.column, i);
-            if entry == 0.0 || i == r {
-                continue;
-            }
-            let c = X::splat(entry);
-            for (t, p) in t.iter_mut().zip(&self.row) {
-                *t = t.add_product(c, *p);
-            }
-            // Last: a vector that was just written to in part is slow to read.
-            put(t, slot, entry * reciprocal);
+        let last = &mut self.t[n * width..];
+        last.fill(X::splat(0.0));
+        for i in 0..n {
+            put(last, i, covering.entry(i));
+            self.basic[i] = i;
+            self.place[i] = i;
+            self.place[n + i] = i;
         }
-        let row = &mut self.t[r * width..(r + 1) * width];
-        row.copy_from_slice(&self.row);
-        put(row, slot, reciprocal);
-        let value = -at(&self.rhs, r) * reciprocal;
-        grow(&mut self.rhs, &self.column, value);
-        put(&mut self.rhs, r, value);
-        std::mem::swap(&mut self.basic[r], &mut self.nonbasic[slot]);
-        self.nonbasic[slot]
+        self.place[2 * n] = n;
+        self.late.clear();
+        self.seen.fill(0);
+        self.load_columns(a)
+    }
+
+    /// Memory for problems of order n.
+    #[inline(always)]
+    fn resize(&mut self, n: usize) {
+        if n != self.n {
+            let (width, zero) = (n.div_ceil(WIDTH), X::splat(0.0));
+            self.n = n;
+            self.width = width;
+            self.t.resize((n + 1) * width, zero);
+            self.value.resize(width, zero);
+            self.driving.resize(DELAY * width, zero);
+            self.late.reserve(DELAY);
+            self.seen.resize(n + 1, 0);
+            self.basic.resize(n, 0);
+            self.place.resize(2 * n + 1, 0);
+        }
+    }
+
+    #[inline(always)]
+    fn load_columns(&mut self, a: &[f64]) -> bool {
+        let (n, width, zero) = (self.n, self.width, X::splat(0.0));
+        let mut nothing = zero;
+        for block in 0..width {
+            let first = block * WIDTH;
+            let mut rows: [&[f64]; WIDTH] = [&[]; WIDTH];
+            for (l, row) in rows.iter_mut().enumerate() {
+                // Lanes beyond the last row repeat it; they are cleared below.
+                let i = (first + l).min(n - 1);
+                *row = &a[i * n..(i + 1) * n];
+            }
+            let real = X::Mask::from_bits(u32::MAX >> (32 - WIDTH.min(n - first)));
+            for j in (0..n).step_by(BLOCK) {
+                let mut columns = [zero; BLOCK];
+                let count = BLOCK.min(n - j);
+                X::load_columns(&rows.map(|row| &row[j..]), &mut columns[..count]);
+                for (c, column) in columns[..count].iter().enumerate() {
+                    self.t[(j + c) * width + block] = column.only(real);
+                    nothing = nothing.add_product(*column, zero);
+                }
+            }
+        }
+        !nothing.eq(zero).not().any()
+    }
+
+    /// The basic variables, by row.
+    #[inline(always)]
+    pub fn values(&self) -> &[X] {
+        &self.value
+    }
+
+    /// The variable of each row.
+    #[inline(always)]
+    pub fn basic(&self) -> &[usize] {
+        &self.basic
+    }
+
+    /// The row of a variable, if it is basic.
+    #[inline(always)]
+    pub fn row_of(&self, variable: usize) -> Option<usize> {
+        let row = self.place[variable];
+        (self.basic.get(row) == Some(&variable)).then_some(row)
+    }
+
+    /// The variable that drives from now on.
+    #[inline(always)]
+    pub fn drive(&mut self, variable: usize) {
+        let (width, own) = (self.width, self.place[variable]);
+        let (driven, free) = self.driving.split_at_mut(self.late.len() * width);
+        let column = &mut free[..width];
+        column.copy_from_slice(&self.t[own * width..(own + 1) * width]);
+        let seen = self.seen[own];
+        for (pivot, c) in self.late[seen..].iter().zip(driven[seen * width..].chunks_exact(width)) {
+            pivot.apply(c, column);
+        }
+    }
+
+    /// Its column: how the basic variables change as it grows.
+    #[inline(always)]
+    pub fn driving_column(&self) -> &[X] {
+        let first = self.late.len() * self.width;
+        &self.driving[first..first + self.width]
+    }
+
+    /// The driving variable becomes basic in row r; the one that leaves. O(n^2).
+    #[inline(always)]
+    pub fn exchange(&mut self, r: usize, variable: usize) -> usize {
+        let (width, own) = (self.width, self.place[variable]);
+        let reciprocal = 1.0 / at(self.driving_column(), r);
+        let pivot = Pivot { r, factor: -reciprocal };
+        if width <= NARROW {
+            // Its own column, too, which is overwritten below.
+            self.sweep(pivot);
+        }
+        let first = self.late.len() * width;
+        let c = &self.driving[first..first + width];
+        let (t, scale) = (&mut self.t[own * width..(own + 1) * width], X::splat(reciprocal));
+        for (t, c) in t.iter_mut().zip(c) {
+            *t = c.mul(scale);
+        }
+        put(t, r, reciprocal);
+        let value = -at(&self.value, r) * reciprocal;
+        grow(&mut self.value, c, value);
+        put(&mut self.value, r, value);
+        let leaving = self.basic[r];
+        self.basic[r] = variable;
+        self.place[variable] = r;
+        self.place[leaving] = own;
+        if width > NARROW {
+            self.late.push(pivot);
+            self.seen[own] = self.late.len();
+            if self.late.len() == DELAY {
+                self.catch_up();
+            }
+        }
+        leaving
+    }
+
+    /// A pivot's change of all columns at once.
+    #[inline(always)]
+    fn sweep(&mut self, pivot: Pivot) {
+        match self.width {
+            1 => self.sweep_width::<1>(pivot),
+            2 => self.sweep_width::<2>(pivot),
+            3 => self.sweep_width::<3>(pivot),
+            4 => self.sweep_width::<4>(pivot),
+            5 => self.sweep_width::<5>(pivot),
+            6 => self.sweep_width::<6>(pivot),
+            7 => self.sweep_width::<7>(pivot),
+            8 => self.sweep_width::<8>(pivot),
+            _ => {
+                for t in self.t.chunks_exact_mut(self.width) {
+                    pivot.apply(&self.driving[..self.width], t);
+                }
+            }
+        }
+    }
+
+    /// The same for W vectors per column: those of the driving one stay in registers.
+    #[inline(always)]
+    fn sweep_width<const W: usize>(&mut self, pivot: Pivot) {
+        let mut c = [X::splat(0.0); W];
+        c.copy_from_slice(&self.driving[..W]);
+        for t in self.t.as_chunks_mut::<W>().0 {
+            pivot.apply(&c, t);
+        }
+    }
+
+    /// Late pivots reach every column, in groups that stay near: a vector that was just written to in part is slow to read.
+    #[inline(always)]
+    fn catch_up(&mut self) {
+        let width = self.width;
+        for (group, seen) in self.t.chunks_mut(GROUP * width).zip(self.seen.chunks_mut(GROUP)) {
+            for (k, (pivot, c)) in self.late.iter().zip(self.driving.chunks_exact(width)).enumerate() {
+                for (t, seen) in group.chunks_exact_mut(width).zip(&*seen) {
+                    if *seen <= k {
+                        pivot.apply(c, t);
+                    }
+                }
+            }
+            seen.fill(0);
+        }
+        self.late.clear();
+    }
+
+    /// `step_i = sum_j t_ij w_j` and `size_i = sum_j |t_ij q_j|`, over the nonbasic `w_j` whose `z_j` is basic: in the rows of
+    /// those, `A_aa^-1 w_a` and `|A_aa^-1| |q_a|`.
+    #[inline(always)]
+    pub fn times_inverse(&mut self, w: &[f64], q: &[f64], step: &mut [X], size: &mut [X]) {
+        self.catch_up();
+        step.fill(X::splat(0.0));
+        size.fill(X::splat(0.0));
+        for j in self.basic.iter().filter(|&&v| v >= self.n).map(|v| v - self.n) {
+            let first = self.place[j] * self.width;
+            let (w, q) = (X::splat(w[j]), X::splat(q[j].abs()));
+            let column = &self.t[first..first + self.width];
+            for ((step, size), t) in step.iter_mut().zip(size.iter_mut()).zip(column) {
+                *step = step.add_product(*t, w);
+                *size = size.add_product(t.abs(), q);
+            }
+        }
+    }
+}
+
+/// Number `i` of a padded vector.
+#[inline(always)]
+pub(super) fn at<X: Lane<Number = f64>>(v: &[X], i: usize) -> f64 {
+    v[i / WIDTH].get(i % WIDTH)
+}
+
+#[inline(always)]
+pub(super) fn put<X: Lane<Number = f64>>(v: &mut [X], i: usize, x: f64) {
+    v[i / WIDTH].set(i % WIDTH, x);
+}
+
+/// `v += factor direction`; what cancels is rounding error, and zero.
+#[inline(always)]
+fn grow<X: Lane<Number = f64>>(v: &mut [X], direction: &[X], factor: f64) {
+    let (factor, noise) = (X::splat(factor), X::splat(NOISE));
+    for (r, c) in v.iter_mut().zip(direction) {
+        let sum = r.add_product(*c, factor);
+        *r = sum.only(r.abs().mul(noise).lt(sum.abs()));
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::{basis_by_tableau, solve_one};
+    use super::super::lane::F64x8;
+    use super::*;
 
-    /// On problems with one solution, that of `P`-matrices, the support is the one that the other kernel verifies.
+    /// Reproducible, between -1/2 and 1/2.
+    fn noise(k: usize) -> f64 {
+        (k * 7919 % 10_007) as f64 / 10_007.0 - 0.5
+    }
+
+    /// The tableau as rows of plain numbers: `w_i = q_i + sum_j a_ij z_j + d_i z_0`, a column for each variable that is not basic.
+    struct Plain {
+        rows: Vec<Vec<f64>>,
+        values: Vec<f64>,
+        basic: Vec<usize>,
+        nonbasic: Vec<usize>,
+    }
+
+    impl Plain {
+        fn exchange(&mut self, r: usize, variable: usize) -> usize {
+            let s = self.nonbasic.iter().position(|&v| v == variable).expect("not basic");
+            let pivot = self.rows[r][s];
+            let row: Vec<f64> =
+                (0..self.nonbasic.len()).map(|j| if j == s { 1.0 } else { -self.rows[r][j] } / pivot).collect();
+            let value = -self.values[r] / pivot;
+            for i in (0..self.basic.len()).filter(|&i| i != r) {
+                let c = self.rows[i][s];
+                for j in 0..self.nonbasic.len() {
+                    self.rows[i][j] = if j == s { 0.0 } else { self.rows[i][j] } + c * row[j];
+                }
+                self.values[i] += c * value;
+            }
+            (self.rows[r], self.values[r]) = (row, value);
+            std::mem::swap(&mut self.basic[r], &mut self.nonbasic[s]);
+            self.nonbasic[s]
+        }
+    }
+
+    /// Any sequence of pivots, in columns of one register, of several, and of so many that pivots wait; zeros among the entries.
     #[test]
-    fn ends_on_the_basis_of_the_solution() {
-        // Reproducible, between -1/2 and 1/2.
-        let noise = |k: usize| (k * 7919 % 101) as f64 / 101.0 - 0.5;
-        for n in [1, 2, 3, 7, 8, 9, 16, 31, 64, 128] {
-            let a: Vec<f64> = (0..n * n).map(|e| noise(e) + if e / n == e % n { n as f64 } else { 0.0 }).collect();
-            let q: Vec<f64> = (0..n).map(|i| noise(3 * i + 1) - 0.2).collect();
-            let solution = solve_one(n, &a, &q, 1e-9).expect("diagonally dominant");
-            let (alpha, pivots) = basis_by_tableau(n, &a, &q).expect("a P-matrix");
-            assert_eq!(alpha, solution.alpha, "n = {n}");
-            assert!(pivots <= 2 * n, "n = {n}: {pivots} pivots");
+    fn pivots_are_those_of_plain_rows() {
+        let mut tableau = Tableau::<F64x8<false>>::default();
+        for n in [1, 3, 8, 9, 30, 33, 64, 65, 90, 12] {
+            let entry = |i: usize, j: usize| if (i * 31 + j * 17) % 5 == 0 { 0.0 } else { noise(i * n + j + n) };
+            let a: Vec<f64> = (0..n * n).map(|e| entry(e / n, e % n) + f64::from(e / n == e % n)).collect();
+            let q: Vec<f64> = (0..n).map(|i| noise(5 * i + n)).collect();
+            let mut plain = Plain {
+                rows: (0..n).map(|i| [&a[i * n..(i + 1) * n], &[Covering::Spread.entry(i)]].concat()).collect(),
+                values: q.clone(),
+                basic: (0..n).collect(),
+                nonbasic: (n..=2 * n).collect(),
+            };
+            assert!(tableau.load(&a, &q, Covering::Spread));
+            for k in 0..n.min(25) {
+                let variable = plain.nonbasic[(7 * k + 3) % (n + 1)];
+                tableau.drive(variable);
+                let s = plain.nonbasic.iter().position(|&v| v == variable).expect("not basic");
+                let size = |i: usize| plain.rows[i][s].abs();
+                for i in 0..n {
+                    let difference = at(tableau.driving_column(), i) - plain.rows[i][s];
+                    assert!(difference.abs() <= 1e-9 * (1.0 + size(i)), "n = {n}, pivot {k}, row {i}: {difference}");
+                }
+                let r = (0..n).max_by(|&i, &j| size(i).total_cmp(&size(j))).expect("a row");
+                assert_eq!(tableau.exchange(r, variable), plain.exchange(r, variable));
+                assert_eq!(tableau.basic(), plain.basic);
+                assert_eq!(tableau.row_of(variable), Some(r));
+                for i in 0..n {
+                    let difference = at(tableau.values(), i) - plain.values[i];
+                    assert!(difference.abs() <= 1e-9 * (1.0 + plain.values[i].abs()), "n = {n}, pivot {k}, row {i}");
+                }
+            }
         }
     }
 
     #[test]
-    fn a_ray_and_a_trivial_problem() {
-        assert_eq!(basis_by_tableau(1, &[-1.0], &[-1.0]), None);
-        assert_eq!(basis_by_tableau(2, &[0.0; 4], &[1.0, 0.0]), Some((0, 0)));
+    fn numbers_that_are_not_finite_are_seen() {
+        let mut tableau = Tableau::<F64x8<false>>::default();
+        for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            for place in 0..9 {
+                let mut a = [1.0; 9];
+                assert!(tableau.load(&a, &[0.0; 3], Covering::Ones));
+                a[place] = bad;
+                assert!(!tableau.load(&a, &[0.0; 3], Covering::Ones));
+            }
+        }
     }
 }

@@ -188,134 +188,10 @@ impl<X: Lane> Rows<X> {
     }
 }
 
-/// Where one problem in double precision has its numbers.
-pub trait Entries<X: Lane<Number = f64>> {
-    /// `w = A z + q` and `m = |A||z| + |q|` block by block, for the blocks of z.
-    fn sums(&self, q: &[f64], z: &[X], sums: &mut [[X; 2]]);
-
-    /// Whether a row with `m_i = 0` has a product that underflowed.
-    fn something_lost(&self, z: &[X], sums: &[[X; 2]]) -> bool;
-
-    /// Rows, or columns, and the blocks of each.
-    fn size(&self) -> (usize, usize);
-
-    /// A block of a row, or of a column.
-    fn block(&self, i: usize, k: usize) -> X;
-}
-
-/// The padded columns of A, `width` blocks each, and the places where z may be positive.
-pub struct Columns<'a, X> {
-    pub width: usize,
-    pub columns: &'a [X],
-    pub support: &'a [usize],
-}
-
-impl<X: Lane<Number = f64>> Entries<X> for Columns<'_, X> {
-    /// O(n) for each place of the support.
-    #[inline(always)]
-    fn sums(&self, q: &[f64], z: &[X], sums: &mut [[X; 2]]) {
-        for (sums, q) in sums.iter_mut().zip(q.chunks(BLOCK)) {
-            let q = X::from_slice(q);
-            *sums = [q, q.abs()];
-        }
-        for &j in self.support {
-            let factor = X::splat(z[j / BLOCK].get(j % BLOCK));
-            for (sums, a) in sums.iter_mut().zip(&self.columns[j * self.width..(j + 1) * self.width]) {
-                *sums = [sums[0].add_product(*a, factor), sums[1].add_product(a.abs(), factor)];
-            }
-        }
-    }
-
-    #[inline(always)]
-    fn something_lost(&self, z: &[X], sums: &[[X; 2]]) -> bool {
-        let zero = X::splat(0.0);
-        let mut lost = X::Mask::NONE;
-        for &j in self.support.iter().filter(|&&j| z[j / BLOCK].get(j % BLOCK) > 0.0) {
-            for (sums, a) in sums.iter().zip(&self.columns[j * self.width..(j + 1) * self.width]) {
-                lost = lost.or(zero.lt(a.abs()).and(sums[1].eq(zero)));
-            }
-        }
-        lost.any()
-    }
-
-    #[inline(always)]
-    fn size(&self) -> (usize, usize) {
-        (self.columns.len() / self.width, self.width)
-    }
-
-    #[inline(always)]
-    fn block(&self, i: usize, k: usize) -> X {
-        self.columns[i * self.width + k]
-    }
-}
-
-/// A, row-major.
-pub struct RowMajor<'a> {
-    pub n: usize,
-    pub a: &'a [f64],
-}
-
-impl RowMajor<'_> {
-    #[inline(always)]
-    fn row(&self, i: usize) -> &[f64] {
-        &self.a[i * self.n..(i + 1) * self.n]
-    }
-}
-
-impl<X: Lane<Number = f64>> Entries<X> for RowMajor<'_> {
-    /// O(n^2), four rows at a time.
-    #[inline(always)]
-    fn sums(&self, q: &[f64], z: &[X], sums: &mut [[X; 2]]) {
-        const ROWS: usize = 4;
-        let (zero, whole) = (X::splat(0.0), self.n / BLOCK);
-        sums.fill([zero; 2]);
-        for first in (0..self.n).step_by(ROWS) {
-            let mut rows: [&[f64]; ROWS] = [&[]; ROWS];
-            for (r, row) in rows.iter_mut().enumerate() {
-                // Rows beyond the last repeat it.
-                *row = self.row((first + r).min(self.n - 1));
-            }
-            let mut both = [[zero; 2]; ROWS];
-            for (k, &z) in z.iter().enumerate() {
-                for (row, both) in rows.iter().zip(&mut both) {
-                    let a = if k < whole {
-                        X::from_slice(&row[k * BLOCK..(k + 1) * BLOCK])
-                    } else {
-                        X::from_slice(&row[k * BLOCK..])
-                    };
-                    *both = [both[0].add_product(a, z), both[1].add_product(a.abs(), z)];
-                }
-            }
-            for (i, both) in (first..self.n).zip(both) {
-                sums[i / BLOCK][0].set(i % BLOCK, q[i] + both[0].sum());
-                sums[i / BLOCK][1].set(i % BLOCK, q[i].abs() + both[1].sum());
-            }
-        }
-    }
-
-    #[inline(always)]
-    fn something_lost(&self, z: &[X], sums: &[[X; 2]]) -> bool {
-        let positive = |j: usize| z[j / BLOCK].get(j % BLOCK) > 0.0;
-        (0..self.n)
-            .filter(|&i| sums[i / BLOCK][1].get(i % BLOCK) == 0.0)
-            .any(|i| self.row(i).iter().enumerate().any(|(j, &a)| a != 0.0 && positive(j)))
-    }
-
-    #[inline(always)]
-    fn size(&self) -> (usize, usize) {
-        (self.n, self.n.div_ceil(BLOCK))
-    }
-
-    #[inline(always)]
-    fn block(&self, i: usize, k: usize) -> X {
-        X::from_slice(&self.row(i)[k * BLOCK..self.n.min((k + 1) * BLOCK)])
-    }
-}
-
-/// [`verify`] for one problem in double precision; also writes `w = A z + q`. O(n^2).
+/// [`verify`] for one problem in double precision, a row-major; also writes `w = A z + q`. O(n^2).
 #[inline(always)]
 pub fn verify_one<X: Lane<Number = f64>>(
-    entries: &impl Entries<X>,
+    a: &[f64],
     q: &[f64],
     z: &[X],
     sums: &mut [[X; 2]],
@@ -327,7 +203,7 @@ pub fn verify_one<X: Lane<Number = f64>>(
     for q in q.chunks(BLOCK) {
         largest_q = X::from_slice(q).abs().max(largest_q);
     }
-    entries.sums(q, z, sums);
+    slacks_and_magnitudes(a, q, z, sums);
     let largest_q = largest_q.largest();
     let mut rows = Rows::<X>::new(n, X::splat(largest_q), tol);
     let padded = sums.iter().zip(z);
@@ -341,13 +217,55 @@ pub fn verify_one<X: Lane<Number = f64>>(
     let residual = (2.0 * n as f64 + 1.0) * ratio;
     let mut solved = !rows.solved.not().any() && residual <= 0.999 * tol;
     if solved && rows.empty.any() {
-        solved = !entries.something_lost(z, sums);
+        solved = !something_lost(n, a, z, sums);
     }
     let mut small = !rows.small.not().any();
     if solved && !small {
-        small = natural * growth_of_one(entries) <= absolute(tol) * largest_q;
+        small = natural * growth_of_one::<X>(n, a) <= absolute(tol) * largest_q;
     }
     Judged { solved: solved && small, unsettled: solved && !small, residual, natural_residual: natural }
+}
+
+/// `w = A z + q` and `m = |A||z| + |q|` block by block, for the blocks of z. O(n^2), four rows at a time.
+#[inline(always)]
+fn slacks_and_magnitudes<X: Lane<Number = f64>>(a: &[f64], q: &[f64], z: &[X], sums: &mut [[X; 2]]) {
+    const ROWS: usize = 4;
+    let (n, zero) = (q.len(), X::splat(0.0));
+    let whole = n / BLOCK;
+    sums.fill([zero; 2]);
+    for first in (0..n).step_by(ROWS) {
+        let mut rows: [&[f64]; ROWS] = [&[]; ROWS];
+        for (r, row) in rows.iter_mut().enumerate() {
+            // Rows beyond the last repeat it.
+            let i = (first + r).min(n - 1);
+            *row = &a[i * n..(i + 1) * n];
+        }
+        let mut both = [[zero; 2]; ROWS];
+        for (k, &z) in z.iter().enumerate() {
+            for (row, both) in rows.iter().zip(&mut both) {
+                let a = if k < whole {
+                    X::from_slice(&row[k * BLOCK..(k + 1) * BLOCK])
+                } else {
+                    X::from_slice(&row[k * BLOCK..])
+                };
+                *both = [both[0].add_product(a, z), both[1].add_product(a.abs(), z)];
+            }
+        }
+        for (i, both) in (first..n).zip(both) {
+            sums[i / BLOCK][0].set(i % BLOCK, q[i] + both[0].sum());
+            sums[i / BLOCK][1].set(i % BLOCK, q[i].abs() + both[1].sum());
+        }
+    }
+}
+
+/// Whether a row with `m_i = 0` has a product that underflowed.
+#[inline(always)]
+fn something_lost<X: Lane<Number = f64>>(n: usize, a: &[f64], z: &[X], sums: &[[X; 2]]) -> bool {
+    let positive = |j: usize| z[j / BLOCK].get(j % BLOCK) > 0.0;
+    a.chunks_exact(n)
+        .enumerate()
+        .filter(|(i, _)| sums[i / BLOCK][1].get(i % BLOCK) == 0.0)
+        .any(|(_, row)| row.iter().enumerate().any(|(j, &a)| a != 0.0 && positive(j)))
 }
 
 /// Vectors per row up to which the columns are looked at.
@@ -355,18 +273,18 @@ const WIDEST: usize = 32;
 
 /// [`growth`] for one problem.
 #[inline(always)]
-fn growth_of_one<X: Lane<Number = f64>>(entries: &impl Entries<X>) -> f64 {
-    let (count, width) = entries.size();
+fn growth_of_one<X: Lane<Number = f64>>(n: usize, a: &[f64]) -> f64 {
+    let width = n.div_ceil(BLOCK);
     if width > WIDEST {
         return f64::INFINITY;
     }
     let (zero, one) = (X::splat(0.0), X::splat(1.0));
     let mut across = [zero; WIDEST];
     let (mut most, mut least) = (1.0_f64, 1.0_f64);
-    for i in 0..count {
+    for row in a.chunks_exact(n) {
         let mut largest = zero;
-        for (k, m) in across[..width].iter_mut().enumerate() {
-            let size = entries.block(i, k).abs();
+        for (numbers, m) in row.chunks(BLOCK).zip(&mut across) {
+            let size = X::from_slice(numbers).abs();
             largest = size.max(largest);
             *m = size.max(*m);
         }
