@@ -17,6 +17,10 @@ pub(super) const MOST_LANES: usize = 16;
 /// Largest order for which Lemke's method runs in lanes: above, the tableaux no longer fit the nearest cache.
 const LEMKE_ORDER: usize = 24;
 
+/// Largest order for which Newton's method, without a guess, is tried: above, it costs what Lemke's method does, and all of that
+/// again where A is singular.
+const NEWTON_ORDER: usize = 16;
+
 /// Factorisations after which a lane goes on to Lemke's method.
 const FACTORISATIONS: usize = 6;
 
@@ -41,6 +45,10 @@ pub(super) struct Lanes<X: Lane, S: Lane> {
     /// Whether a problem came along that is not for Newton's method.
     seen_unfit: bool,
 }
+
+/// In this order.
+const PHASES: [Phase; 7] =
+    [Phase::Guess, Phase::Point, Phase::Polish, Phase::Single, Phase::Enumerate, Phase::Newton, Phase::Lemke];
 
 /// What lanes do together.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -103,21 +111,24 @@ impl<X: Lane<Number = f64>, S: Lane<Number = f32>> Lanes<X, S> {
         if self.singles.is_some() {
             self.in_single_precision::<N>(task, waiting, output.status.len());
         }
-        let guess = task.settings.guess;
-        let phases = [
-            (Phase::Guess, !matches!(guess, Guess::None)),
-            (Phase::Point, matches!(guess, Guess::Points(_))),
-            (Phase::Polish, self.singles.is_some() && task.settings.polish),
-            (Phase::Single, self.singles.is_some() && !task.settings.polish),
-            (Phase::Enumerate, self.n <= MINORS_ORDER),
-            (Phase::Newton, self.n > MINORS_ORDER),
-            (Phase::Lemke, self.n <= LEMKE_ORDER),
-        ];
         // One loop, one copy of the machine code below.
-        for (phase, wanted) in phases {
-            if wanted && !waiting.is_empty() {
+        for phase in PHASES {
+            if self.wants(phase, task) && !waiting.is_empty() {
                 self.phase::<N>(phase, task, waiting, output);
             }
+        }
+    }
+
+    fn wants(&self, phase: Phase, task: &Task<'_>) -> bool {
+        let (n, guess, polish) = (self.n, task.settings.guess, task.settings.polish);
+        match phase {
+            Phase::Guess => !matches!(guess, Guess::None),
+            Phase::Point => matches!(guess, Guess::Points(_)),
+            Phase::Polish => self.singles.is_some() && polish,
+            Phase::Single => self.singles.is_some() && !polish,
+            Phase::Enumerate => n <= MINORS_ORDER,
+            Phase::Newton => n > MINORS_ORDER && n <= NEWTON_ORDER,
+            Phase::Lemke => n <= LEMKE_ORDER,
         }
     }
 
