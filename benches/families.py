@@ -108,8 +108,9 @@ def main(names: list[str]) -> None:
             data.append({"family": family, "n": n, "times": times, "solved": solved, "too_slow": sorted(dropped)})
     if not names:
         lines.append(
-            "\nProcessor time of one thread. Columns quantecon and mju_boxQP: their time over that of lcpstar."
+            "\nProcessor time of one thread. Columns quantecon and mju_boxQP: their time over that of lcpstar.\n"
         )
+        lines.append(NOTES.read_text(encoding="utf-8").strip())
         write_record("families", "solve per call, beside peers", "python benches/families.py", "\n".join(lines), data)
 
 
