@@ -355,7 +355,8 @@ mod tests {
     fn pivots_are_those_of_plain_rows() {
         let mut tableau = Tableau::<F64x8<false>>::default();
         for n in [1, 3, 8, 9, 30, 33, 64, 65, 90, 12] {
-            let entry = |i: usize, j: usize| if (i * 31 + j * 17) % 5 == 0 { 0.0 } else { noise(i * n + j + n) };
+            let entry =
+                |i: usize, j: usize| if (i * 31 + j * 17).is_multiple_of(5) { 0.0 } else { noise(i * n + j + n) };
             let a: Vec<f64> = (0..n * n).map(|e| entry(e / n, e % n) + f64::from(e / n == e % n)).collect();
             let q: Vec<f64> = (0..n).map(|i| noise(5 * i + n)).collect();
             let mut plain = Plain {
