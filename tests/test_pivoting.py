@@ -108,6 +108,14 @@ def test_stacks_of_heavy_on_light_need_no_portfolio(boxes, mass_ratio):
         assert found.iterations <= 2 * len(q)
 
 
+@pytest.mark.parametrize("boxes", [17, 25, 32])
+def test_heavy_on_light_holds_in_every_row(boxes):
+    """Above n = 64 block pivoting goes first: its point need not satisfy the light rows, and is not believed."""
+    for seed in range(8):
+        A, q = box_stack(boxes, 1e8, seed=seed)
+        assert_solves(A, q, lcpstar.solve(A, q))
+
+
 def test_islands_get_the_digits_they_get_alone():
     stacks = [box_stack(1 + k % 3, seed=k) for k in range(100)]
     n = sum(len(q) for _, q in stacks)
