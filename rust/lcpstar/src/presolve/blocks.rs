@@ -22,14 +22,7 @@ pub fn parts(lcp: &Lcp, pattern: &Pattern, island: &[usize]) -> Vec<Part> {
         return vec![Part { indices: island.to_vec(), follows: false }];
     }
     let blocks = strong_components(pattern, island);
-    let sets: Vec<Set> = blocks
-        .iter()
-        .map(|block| {
-            let mut set = pattern.empty();
-            block.iter().for_each(|&i| _ = set.insert(i));
-            set
-        })
-        .collect();
+    let sets: Vec<Set> = blocks.iter().map(|block| pattern.set_of(block.iter().copied())).collect();
     let needed = |b: usize| blocks[b + 1..].iter().flatten().any(|&i| meet(pattern.row(i), &sets[b].0));
     if (0..blocks.len()).all(|b| !needed(b) || is_surely_p(lcp, &blocks[b])) {
         return blocks.into_iter().enumerate().map(|(k, indices)| Part { indices, follows: k > 0 }).collect();
@@ -40,7 +33,7 @@ pub fn parts(lcp: &Lcp, pattern: &Pattern, island: &[usize]) -> Vec<Part> {
 /// The connected components of the pattern of A + A' on `kept`, each sorted, by least index. O(n^2 / 64).
 pub fn islands(pattern: &Pattern, kept: &Set) -> Vec<Vec<usize>> {
     // What is not kept counts as seen.
-    let mut seen = Set(kept.0.iter().map(|word| !word).collect());
+    let mut seen = kept.complement();
     let mut islands = Vec::new();
     for i in indices(&kept.0) {
         if !seen.has(i) {
@@ -77,8 +70,7 @@ fn is_surely_p(lcp: &Lcp, block: &[usize]) -> bool {
 fn strong_components(pattern: &Pattern, kept: &[usize]) -> Vec<Vec<usize>> {
     const UNSEEN: usize = usize::MAX;
     let n = pattern.n();
-    let mut active = pattern.empty();
-    kept.iter().for_each(|&i| _ = active.insert(i));
+    let active = pattern.set_of(kept.iter().copied());
     let (mut number, mut low) = (vec![UNSEEN; n], vec![0; n]);
     let (mut open, mut is_open) = (Vec::new(), vec![false; n]);
     let mut components = Vec::new();
@@ -133,9 +125,7 @@ mod tests {
         let lcp = Lcp::new(n, a, vec![-1.0; n]).expect("valid");
         let mut pattern = Pattern::of(&lcp);
         pattern.transpose();
-        let mut all = pattern.empty();
-        (0..n).for_each(|i| _ = all.insert(i));
-        islands(&pattern, &all).iter().flat_map(|island| parts(&lcp, &pattern, island)).collect()
+        islands(&pattern, &pattern.set_of(0..n)).iter().flat_map(|island| parts(&lcp, &pattern, island)).collect()
     }
 
     fn part(indices: &[usize], follows: bool) -> Part {

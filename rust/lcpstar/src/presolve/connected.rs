@@ -12,8 +12,7 @@ pub fn is_strongly_connected(pattern: &Pattern, island: &[usize]) -> bool {
 /// Whether all of `island` is reached from its first index.
 fn reaches_all<'a>(pattern: &'a Pattern, island: &[usize], edges: impl Fn(usize) -> [&'a [u64]; 2]) -> bool {
     // What is not of the island counts as seen.
-    let mut seen = Set(vec![u64::MAX; pattern.empty().0.len()]);
-    island.iter().for_each(|&i| seen.remove(i));
+    let mut seen = pattern.set_of(island.iter().copied()).complement();
     island.first().is_none_or(|&start| reach(start, &mut seen, edges).len() == island.len())
 }
 

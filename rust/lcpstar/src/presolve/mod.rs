@@ -50,14 +50,8 @@ pub fn plan(lcp: &Lcp) -> Option<Plan> {
         return None;
     }
     pattern.transpose();
-    let everything: Vec<usize> = (0..n).collect();
-    if kept.is_none() && connected::is_strongly_connected(&pattern, &everything) {
-        return None;
-    }
-    let mut all = pattern.empty();
-    everything.iter().for_each(|&i| _ = all.insert(i));
     let mut parts = Vec::new();
-    for island in blocks::islands(&pattern, &all) {
+    for island in blocks::islands(&pattern, &pattern.set_of(0..n)) {
         if island.len() <= SMALL {
             parts.push(Part { indices: island, follows: false });
             continue;
@@ -66,8 +60,7 @@ pub fn plan(lcp: &Lcp) -> Option<Plan> {
             parts.extend(blocks::parts(lcp, &pattern, &island));
             continue;
         };
-        let mut left = pattern.empty();
-        island.into_iter().filter(|&i| kept.has(i)).for_each(|i| _ = left.insert(i));
+        let left = pattern.set_of(island.into_iter().filter(|&i| kept.has(i)));
         for island in blocks::islands(&pattern, &left) {
             parts.extend(blocks::parts(lcp, &pattern, &island));
         }

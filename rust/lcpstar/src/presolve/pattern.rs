@@ -37,6 +37,13 @@ impl Pattern {
         Set(vec![0; self.words])
     }
 
+    /// The set of these indices.
+    pub fn set_of(&self, indices: impl IntoIterator<Item = usize>) -> Set {
+        let mut set = self.empty();
+        indices.into_iter().for_each(|i| _ = set.insert(i));
+        set
+    }
+
     /// Columns with an entry in row i.
     pub fn row(&self, i: usize) -> &[u64] {
         &self.nonzero[i * self.words..(i + 1) * self.words]
@@ -102,6 +109,11 @@ impl Set {
         let old = self.0[i / WORD];
         self.0[i / WORD] |= 1 << (i % WORD);
         old != self.0[i / WORD]
+    }
+
+    /// All others.
+    pub fn complement(&self) -> Set {
+        Set(self.0.iter().map(|word| !word).collect())
     }
 
     /// Takes i out.

@@ -20,8 +20,7 @@ fn is_candidate(lcp: &Lcp, i: usize) -> bool {
 /// Each row remembers one negative entry and looks for the next only when that column is dropped: O(n^2 / 64) in all.
 pub fn kept(lcp: &Lcp, pattern: &Pattern) -> Option<Set> {
     let n = lcp.n();
-    let mut kept = pattern.empty();
-    (0..n).for_each(|i| _ = kept.insert(i));
+    let mut kept = pattern.set_of(0..n);
     let mut watched: Vec<(usize, Option<usize>)> =
         (0..n).filter(|&i| is_candidate(lcp, i)).map(|i| (i, next_common(pattern.negative(i), &kept.0, 0))).collect();
     if watched.iter().all(|(_, negative)| negative.is_some()) {
