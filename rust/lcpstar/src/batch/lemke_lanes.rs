@@ -9,8 +9,9 @@
 //! Labels are signed numbers: `j + 1` for w_j, `-(j + 1)` for z_j, 0 for z_0; minus a label is its complement.
 
 use super::newton::{Tile, multiply};
+use crate::small::covering::spread;
 use crate::small::lane::{Lane, Mask};
-use crate::small::lemke::{CANCELLED, PIVOT_TOLERANCE, ROUNDING, TIE, spread};
+use crate::small::lemke::{CANCELLED, PIVOT_TOLERANCE, ROUNDING, TIE};
 use crate::small::tableau::NOISE;
 
 /// Memory for [`Pivots::solve`].

@@ -11,7 +11,7 @@ use crate::scaling::Equilibrated;
 use crate::small::TINY_ORDER;
 #[cfg(target_arch = "x86_64")]
 use crate::small::avx::{Ymm2, Zmm, ZmmS};
-use crate::small::dispatch::{Task as Kernel, run as run_kernel};
+use crate::small::dispatch;
 #[cfg(target_arch = "x86_64")]
 use crate::small::lane::Pair;
 use crate::small::lane::{F32x16, F64x8, Lane};
@@ -196,8 +196,8 @@ impl Worker {
             let mut found_basis = None;
             if by_kernel {
                 let (z, w) = (&mut output.z[range.clone()], &mut output.w[range.clone()]);
-                let kernel = Kernel::Solve { z, basic: &mut self.basic };
-                let outcome = run_kernel(kernel, &self.a, &self.q, w, settings.tol);
+                let solve = dispatch::Task::Solve { z, basic: &mut self.basic };
+                let outcome = dispatch::run(solve, &self.a, &self.q, w, settings.tol);
                 if let Some(judged) = outcome.judged {
                     output.status[k] = Status::Solved as u8;
                     output.method[k] = LEMKE;

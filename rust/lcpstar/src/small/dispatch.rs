@@ -3,8 +3,7 @@
 #[cfg(target_arch = "x86_64")]
 use super::avx::{Ymm2, Zmm};
 use super::lane::{F64x8, Lane};
-use super::lemke::Lemke;
-use super::verify::Judged;
+use super::lemke::{Lemke, Outcome};
 use multiversion::multiversion;
 use multiversion::target::target_cfg_f;
 use std::cell::RefCell;
@@ -18,17 +17,8 @@ pub enum Task<'a> {
     Verify { z: &'a [f64] },
 }
 
-/// What came of it.
-#[derive(Clone, Copy)]
-pub struct Outcome {
-    /// The point solves the problem.
-    pub judged: Option<Judged>,
-    /// The method ended with a complementary basis, and the point is its.
-    pub found_basis: bool,
-    pub pivots: usize,
-}
-
-/// Does the task for the row-major `a` and writes `w = A z + q`. After the first call on a thread for the largest order, nothing is allocated.
+/// Does the task for the row-major `a` and writes `w = A z + q`. After the first call on a thread for the largest order, nothing
+/// is allocated.
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw+avx2+fma", "x86_64+avx2+fma", "aarch64+neon"))]
 pub fn run(task: Task<'_>, a: &[f64], q: &[f64], w: &mut [f64], tol: f64) -> Outcome {
     #[cfg(target_arch = "x86_64")]

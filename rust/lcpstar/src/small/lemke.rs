@@ -1,14 +1,23 @@
 //! Lemke's method for one problem in memory that is used again: the survivor of singular, copositive and unsymmetric
 //! problems behind the lane kernels. [CPS92, sec. 4.4]
 //!
-//! The covering vector is not `e` but spread over [1, 2): the line `q + z_0 d` then meets degenerate bases only by
-//! accident, which is what a lexicographic rule is for otherwise. Among tied rows that of z_0 wins, then the largest
-//! pivot.
+//! With a covering vector that hardly ever leads through degenerate bases, see [`covering`](super::covering); among tied rows
+//! that of z_0 wins, then the largest pivot.
 
-use super::dispatch::Outcome;
+use super::covering::Covering;
 use super::lane::{Lane, Mask};
 use super::tableau::{Tableau, WIDTH, at, put};
 use super::verify::{Judged, is_small_when_equilibrated, verify_one};
+
+/// What came of a run.
+#[derive(Clone, Copy)]
+pub struct Outcome {
+    /// The point solves the problem.
+    pub judged: Option<Judged>,
+    /// The method ended with a complementary basis, and the point is its.
+    pub found_basis: bool,
+    pub pivots: usize,
+}
 
 /// How the method stopped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -141,10 +150,9 @@ impl<X: Lane<Number = f64>> Lemke<X> {
         let Some(mut row) = last_to_become_nonnegative(q, covering) else {
             return Stop::Basis;
         };
-        let mut driving = z0;
-        self.tableau.drive(driving);
+        self.tableau.drive(z0);
         loop {
-            let leaving = self.tableau.exchange(row, driving);
+            let leaving = self.tableau.exchange(row);
             self.pivots += 1;
             if leaving == z0 {
                 return Stop::Basis;
@@ -152,8 +160,7 @@ impl<X: Lane<Number = f64>> Lemke<X> {
             if self.pivots >= limit {
                 return Stop::Limit;
             }
-            driving = if leaving < n { leaving + n } else { leaving - n };
-            self.tableau.drive(driving);
+            self.tableau.drive(if leaving < n { leaving + n } else { leaving - n });
             let (column, values) = (self.tableau.driving_column(), self.tableau.values());
             match first_to_reach_zero(column, values, &mut self.ratio, self.tableau.row_of(z0)) {
                 Some(blocking) => row = blocking,
@@ -166,10 +173,8 @@ impl<X: Lane<Number = f64>> Lemke<X> {
     #[inline(always)]
     fn refined(&mut self, a: &[f64], q: &[f64], w: &mut [f64], tol: f64) -> Judged {
         self.z.fill(X::splat(0.0));
-        for (i, &variable) in self.tableau.basic().iter().enumerate() {
-            if variable >= self.n {
-                put(&mut self.z, variable - self.n, at(self.tableau.values(), i).max(0.0));
-            }
+        for (i, j) in self.tableau.basic_z() {
+            put(&mut self.z, j, at(self.tableau.values(), i).max(0.0));
         }
         let mut judged = self.judge(a, q, w, tol);
         for _ in 0..REFINEMENTS {
@@ -187,13 +192,11 @@ impl<X: Lane<Number = f64>> Lemke<X> {
     fn refine(&mut self, q: &[f64], w: &[f64]) {
         let (step, size) = (&mut self.step, &mut self.ratio);
         self.tableau.times_inverse(w, q, step, size);
-        for (i, &variable) in self.tableau.basic().iter().enumerate() {
-            if variable >= self.n {
-                let old = at(&self.z, variable - self.n);
-                let new = old - at(step, i);
-                let least = (CANCELLED * old).max(ROUNDING * at(size, i));
-                put(&mut self.z, variable - self.n, if new > least { new } else { 0.0 });
-            }
+        for (i, j) in self.tableau.basic_z() {
+            let old = at(&self.z, j);
+            let new = old - at(step, i);
+            let least = (CANCELLED * old).max(ROUNDING * at(size, i));
+            put(&mut self.z, j, if new > least { new } else { 0.0 });
         }
     }
 
@@ -268,34 +271,6 @@ fn first_to_reach_zero<X: Lane<Number = f64>>(
         }
     }
     Some(place)
-}
-
-/// A covering vector.
-#[derive(Clone, Copy, Debug)]
-pub enum Covering {
-    /// See [`spread`].
-    Spread,
-    /// `e`.
-    Ones,
-}
-
-impl Covering {
-    /// Entry i.
-    #[inline(always)]
-    pub fn entry(self, i: usize) -> f64 {
-        match self {
-            Self::Spread => spread(i),
-            Self::Ones => 1.0,
-        }
-    }
-}
-
-/// Entry i of the covering vector: 1 plus the fractional part of `(i + 1)` times the golden ratio, to 52 bits.
-#[inline(always)]
-pub(crate) fn spread(i: usize) -> f64 {
-    /// 2^64 times the fractional part.
-    const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
-    f64::from_bits(1.0_f64.to_bits() | (i as u64 + 1).wrapping_mul(GOLDEN) >> 12)
 }
 
 #[cfg(test)]

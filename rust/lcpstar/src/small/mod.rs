@@ -5,6 +5,7 @@
 
 #[cfg(target_arch = "x86_64")]
 pub(crate) mod avx;
+pub(crate) mod covering;
 pub(crate) mod dispatch;
 pub(crate) mod lane;
 pub(crate) mod lemke;
@@ -56,11 +57,12 @@ pub fn solve(a: &[f64], q: &[f64], tol: f64, z: &mut [f64], w: &mut [f64]) -> An
         return Answer::None;
     }
     let mut basic = [false; TINY_ORDER];
-    let outcome = run(Task::Solve { z, basic: &mut basic[..q.len()] }, a, q, w, tol);
+    let basic = &mut basic[..q.len()];
+    let outcome = run(Task::Solve { z, basic }, a, q, w, tol);
     if !outcome.found_basis {
         return Answer::None;
     }
-    let (alpha, iterations) = (bits(basic.into_iter()), outcome.pivots);
+    let (alpha, iterations) = (bits(basic.iter().copied()), outcome.pivots);
     match outcome.judged {
         Some(judged) => Answer::Solved(Verified::new(judged, alpha, iterations)),
         None => Answer::Basis { alpha, iterations },

@@ -4,8 +4,8 @@
 //! variable of each kind. Rows that depend on others keep doing so, because all of them see the same row operations; what is
 //! computed from an inverse of the basic block shows its errors there as small pivots.
 
+use super::covering::Covering;
 use super::lane::{BLOCK, Lane, Mask};
-use super::lemke::Covering;
 
 /// Numbers per column are padded to a multiple of this.
 pub(super) const WIDTH: usize = 8;
@@ -31,7 +31,9 @@ pub struct Tableau<X> {
     t: Vec<X>,
     /// The basic variables, by row.
     value: Vec<X>,
-    /// The driving columns of the late pivots, then the one in use.
+    /// The variable that drives.
+    driver: usize,
+    /// The driving columns of the late pivots, then that of the driver: how the basic variables change as it grows.
     driving: Vec<X>,
     /// Pivots that some columns have not seen.
     late: Vec<Pivot>,
@@ -75,6 +77,7 @@ impl<X> Default for Tableau<X> {
             width: 0,
             t: Vec::new(),
             value: Vec::new(),
+            driver: 0,
             driving: Vec::new(),
             late: Vec::new(),
             seen: Vec::new(),
@@ -158,10 +161,10 @@ impl<X: Lane<Number = f64>> Tableau<X> {
         &self.value
     }
 
-    /// The variable of each row.
+    /// The row i and the index j of each basic `z_j`; z_0 must not be basic.
     #[inline(always)]
-    pub fn basic(&self) -> &[usize] {
-        &self.basic
+    pub fn basic_z(&self) -> impl Iterator<Item = (usize, usize)> {
+        self.basic.iter().enumerate().filter(|(_, v)| **v >= self.n).map(|(i, v)| (i, v - self.n))
     }
 
     /// The row of a variable, if it is basic.
@@ -171,9 +174,10 @@ impl<X: Lane<Number = f64>> Tableau<X> {
         (self.basic.get(row) == Some(&variable)).then_some(row)
     }
 
-    /// The variable that drives from now on.
+    /// The variable that drives from now on, one that is not basic.
     #[inline(always)]
     pub fn drive(&mut self, variable: usize) {
+        self.driver = variable;
         let (width, own) = (self.width, self.place[variable]);
         let (driven, free) = self.driving.split_at_mut(self.late.len() * width);
         let column = &mut free[..width];
@@ -184,7 +188,7 @@ impl<X: Lane<Number = f64>> Tableau<X> {
         }
     }
 
-    /// Its column: how the basic variables change as it grows.
+    /// Its column.
     #[inline(always)]
     pub fn driving_column(&self) -> &[X] {
         let first = self.late.len() * self.width;
@@ -193,15 +197,17 @@ impl<X: Lane<Number = f64>> Tableau<X> {
 
     /// The driving variable becomes basic in row r; the one that leaves. O(n^2).
     #[inline(always)]
-    pub fn exchange(&mut self, r: usize, variable: usize) -> usize {
-        let (width, own) = (self.width, self.place[variable]);
+    pub fn exchange(&mut self, r: usize) -> usize {
+        let (width, own, first) = (self.width, self.place[self.driver], self.late.len() * self.width);
         let reciprocal = 1.0 / at(self.driving_column(), r);
         let pivot = Pivot { r, factor: -reciprocal };
         if width <= NARROW {
             // Its own column, too, which is overwritten below.
             self.sweep(pivot);
+        } else {
+            self.late.push(pivot);
+            self.seen[own] = self.late.len();
         }
-        let first = self.late.len() * width;
         let c = &self.driving[first..first + width];
         let (t, scale) = (&mut self.t[own * width..(own + 1) * width], X::splat(reciprocal));
         for (t, c) in t.iter_mut().zip(c) {
@@ -211,21 +217,17 @@ impl<X: Lane<Number = f64>> Tableau<X> {
         let value = -at(&self.value, r) * reciprocal;
         grow(&mut self.value, c, value);
         put(&mut self.value, r, value);
-        let leaving = self.basic[r];
-        self.basic[r] = variable;
-        self.place[variable] = r;
-        self.place[leaving] = own;
-        if width > NARROW {
-            self.late.push(pivot);
-            self.seen[own] = self.late.len();
-            if self.late.len() == DELAY {
-                self.catch_up();
-            }
+        if self.late.len() == DELAY {
+            self.catch_up();
         }
+        let leaving = self.basic[r];
+        self.basic[r] = self.driver;
+        self.place[self.driver] = r;
+        self.place[leaving] = own;
         leaving
     }
 
-    /// A pivot's change of all columns at once.
+    /// A pivot's change of all columns at once, where they are narrow.
     #[inline(always)]
     fn sweep(&mut self, pivot: Pivot) {
         match self.width {
@@ -236,12 +238,7 @@ impl<X: Lane<Number = f64>> Tableau<X> {
             5 => self.sweep_width::<5>(pivot),
             6 => self.sweep_width::<6>(pivot),
             7 => self.sweep_width::<7>(pivot),
-            8 => self.sweep_width::<8>(pivot),
-            _ => {
-                for t in self.t.chunks_exact_mut(self.width) {
-                    pivot.apply(&self.driving[..self.width], t);
-                }
-            }
+            _ => self.sweep_width::<NARROW>(pivot),
         }
     }
 
@@ -279,7 +276,7 @@ impl<X: Lane<Number = f64>> Tableau<X> {
         self.catch_up();
         step.fill(X::splat(0.0));
         size.fill(X::splat(0.0));
-        for j in self.basic.iter().filter(|&&v| v >= self.n).map(|v| v - self.n) {
+        for (_, j) in self.basic_z() {
             let first = self.place[j] * self.width;
             let (w, q) = (X::splat(w[j]), X::splat(q[j].abs()));
             let column = &self.t[first..first + self.width];
@@ -376,8 +373,8 @@ mod tests {
                     assert!(difference.abs() <= 1e-9 * (1.0 + size(i)), "n = {n}, pivot {k}, row {i}: {difference}");
                 }
                 let r = (0..n).max_by(|&i, &j| size(i).total_cmp(&size(j))).expect("a row");
-                assert_eq!(tableau.exchange(r, variable), plain.exchange(r, variable));
-                assert_eq!(tableau.basic(), plain.basic);
+                assert_eq!(tableau.exchange(r), plain.exchange(r, variable));
+                assert_eq!(tableau.basic, plain.basic);
                 assert_eq!(tableau.row_of(variable), Some(r));
                 for i in 0..n {
                     let difference = at(tableau.values(), i) - plain.values[i];
