@@ -11,6 +11,8 @@ mod lemke_lanes;
 mod minors;
 mod newton;
 mod schedule;
+#[cfg(test)]
+mod tests;
 mod work;
 
 pub use io::{Alpha, Guess, Numbers, Output, Problems, Settings, Source};

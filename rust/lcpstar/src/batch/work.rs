@@ -117,7 +117,7 @@ fn portable<'a>(
 
 /// `X` holds problems side by side, `S` such in single precision; `N` is the order if known at compile time, else 0.
 #[inline(always)]
-fn run<'a, X: Lane<Number = f64>, S: Lane<Number = f32>, const N: usize>(
+pub(super) fn run<'a, X: Lane<Number = f64>, S: Lane<Number = f32>, const N: usize>(
     problems: &Problems<'_>,
     settings: &Settings<'_>,
     next: &(dyn Fn() -> Option<Chunk<'a>> + Sync),

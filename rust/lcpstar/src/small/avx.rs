@@ -577,7 +577,8 @@ impl Lane for Ymm {
     }
     #[inline(always)]
     fn store_columns(columns: &[Self], rows: &mut [f64], stride: usize) {
-        for (b, columns) in columns.chunks(4).enumerate().take(BLOCK / 4) {
+        // Backwards: a second half that is not whole reaches into the next rows.
+        for (b, columns) in columns.chunks(4).enumerate().take(BLOCK / 4).rev() {
             let mut v = [Self::splat(0.0).0; 4];
             for (k, column) in columns.iter().enumerate() {
                 v[k] = column.0;
