@@ -4,7 +4,7 @@
 use super::io::{Guess, Numbers, Output, Problems};
 use super::lemke_lanes::Pivots;
 use super::minors::{MINORS_ORDER, enumerate};
-use super::newton::{Tile, multiply, newton, refine};
+use super::newton::{Step, Tile, improve_guess, multiply, newton, refine, solve_guess};
 use super::work::{ENUMERATE, LEMKE, NEWTON, Task};
 use crate::small::lane::{BLOCK, Lane, Mask};
 use crate::small::lemke::PIVOTS_PER_ROW;
@@ -17,12 +17,12 @@ pub(super) const MOST_LANES: usize = 16;
 /// Largest order for which Lemke's method runs in lanes: above, the tableaux no longer fit the nearest cache.
 const LEMKE_ORDER: usize = 24;
 
-/// Largest order for which Newton's method, without a guess, is tried: above, it costs what Lemke's method does, and all of that
-/// again where A is singular.
-const NEWTON_ORDER: usize = 16;
+/// Largest order for which Newton's method, without a guess, is tried. Above, it would win up to a third of the time where A is
+/// regular and cost half of it again where A is singular.
+const NEWTON_ORDER: usize = 24;
 
-/// Factorisations after which a lane goes on to Lemke's method.
-const FACTORISATIONS: usize = 6;
+/// Iterations of Newton's method after which a problem goes on to Lemke's method.
+const ITERATIONS: usize = 6;
 
 /// Refinement steps at most.
 const REFINEMENTS: usize = 2;
@@ -34,21 +34,22 @@ pub(super) struct Lanes<X: Lane, S: Lane> {
     pivots: Pivots<X>,
     /// Which block of A each lane of the tile holds.
     loaded: [usize; MOST_LANES],
-    /// Problems widened to double precision.
-    wide: Vec<f64>,
-    singles: Option<Tile<S>>,
+    /// The tile in single precision, where A or q is.
+    singles: Tile<S>,
     /// z or w of a tile, problem after problem, and room for one block more.
     rows: Vec<f64>,
-    /// What single precision found, `n` numbers for each problem of the chunk.
-    points: Vec<f32>,
-    failed: Vec<usize>,
+    /// The support that Newton's method tries next, for each problem of the chunk.
+    guesses: Vec<u64>,
+    /// Problems that wait for another iteration of the phase.
+    again: Vec<usize>,
+    /// Problems that it leaves.
+    left: Vec<usize>,
     /// Whether a problem came along that is not for Newton's method.
     seen_unfit: bool,
 }
 
 /// In this order.
-const PHASES: [Phase; 7] =
-    [Phase::Guess, Phase::Point, Phase::Polish, Phase::Single, Phase::Enumerate, Phase::Newton, Phase::Lemke];
+const PHASES: [Phase; 6] = [Phase::Guess, Phase::Point, Phase::Single, Phase::Enumerate, Phase::Newton, Phase::Lemke];
 
 /// What lanes do together.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -57,19 +58,30 @@ enum Phase {
     Guess,
     /// The point that the caller guesses, as it is.
     Point,
-    /// One factorisation for the support that single precision found.
-    Polish,
-    /// The point that single precision found, as it is.
+    /// Newton's method in single precision.
     Single,
     Enumerate,
     Newton,
     Lemke,
 }
 
+impl Phase {
+    fn is_newton(self) -> bool {
+        matches!(self, Self::Single | Self::Newton)
+    }
+
+    /// At most.
+    fn iterations(self) -> usize {
+        if self.is_newton() { ITERATIONS } else { 1 }
+    }
+}
+
 /// A tile of problems and what is known of them.
 struct Group<'a, X: Lane> {
     task: &'a Task<'a>,
     members: &'a [usize],
+    /// Of the phase, from 1 on.
+    iteration: usize,
     open: X::Mask,
     /// Lanes with a positive diagonal, for which Newton's method is worth trying.
     fit: X::Mask,
@@ -81,6 +93,8 @@ struct Found<X: Lane> {
     method: u8,
     /// Lanes in which it stopped as it should.
     lanes: X::Mask,
+    /// Lanes for which another iteration is worth trying.
+    unsettled: X::Mask,
     iterations: [u8; MOST_LANES],
 }
 
@@ -88,19 +102,19 @@ impl<X: Lane<Number = f64>, S: Lane<Number = f32>> Lanes<X, S> {
     /// Memory for problems of order `n`.
     #[inline(always)]
     pub fn new(n: usize, problems: &Problems<'_>) -> Self {
-        let single = matches!(problems.a, Numbers::Single(_)) || matches!(problems.q, Numbers::Single(_));
-        let wide = if single { X::LANES * n * (n + 1) } else { 0 };
-        let both = matches!((problems.a, problems.q), (Numbers::Single(_), Numbers::Single(_)));
+        const { assert!(X::LANES == S::LANES) };
+        let is_single = |x| matches!(x, Numbers::Single(_));
+        let single = is_single(problems.a) || is_single(problems.q);
         Self {
             n,
             tile: Tile::new(n),
             pivots: Pivots::new(if n <= LEMKE_ORDER { n } else { 0 }),
             loaded: [usize::MAX; MOST_LANES],
-            wide: vec![0.0; wide],
-            singles: both.then(|| Tile::new(n)),
+            singles: Tile::new(if single { n } else { 0 }),
             rows: vec![0.0; X::LANES * n + BLOCK],
-            points: Vec::new(),
-            failed: Vec::new(),
+            guesses: Vec::new(),
+            again: Vec::new(),
+            left: Vec::new(),
             seen_unfit: false,
         }
     }
@@ -108,41 +122,50 @@ impl<X: Lane<Number = f64>, S: Lane<Number = f32>> Lanes<X, S> {
     /// Solves what it can of the problems in `waiting` and leaves the others there.
     #[inline(always)]
     pub fn solve<const N: usize>(&mut self, task: &Task<'_>, waiting: &mut Vec<usize>, output: &mut Output<'_>) {
-        if self.singles.is_some() {
-            self.in_single_precision::<N>(task, waiting, output.status.len());
-        }
+        self.guesses.resize(output.status.len(), 0);
         // One loop, one copy of the machine code below.
         for phase in PHASES {
-            if self.wants(phase, task) && !waiting.is_empty() {
-                self.phase::<N>(phase, task, waiting, output);
+            if !self.wants(phase, task) {
+                continue;
             }
+            let mut iteration = 0;
+            while iteration < phase.iterations() && !waiting.is_empty() {
+                iteration += 1;
+                self.iterate::<N>(phase, iteration, task, waiting, output);
+                std::mem::swap(waiting, &mut self.again);
+            }
+            waiting.append(&mut self.left);
+            waiting.sort_unstable();
         }
     }
 
     fn wants(&self, phase: Phase, task: &Task<'_>) -> bool {
-        let (n, guess, polish) = (self.n, task.settings.guess, task.settings.polish);
+        let (n, settings) = (self.n, task.settings);
         match phase {
-            Phase::Guess => !matches!(guess, Guess::None),
-            Phase::Point => matches!(guess, Guess::Points(_)),
-            Phase::Polish => self.singles.is_some() && polish,
-            Phase::Single => self.singles.is_some() && !polish,
+            Phase::Guess => !matches!(settings.guess, Guess::None),
+            Phase::Point => matches!(settings.guess, Guess::Points(_)),
+            Phase::Single => {
+                let single = matches!((task.problems.a, task.problems.q), (Numbers::Single(_), Numbers::Single(_)));
+                single && !settings.polish && settings.tol > S::EPS && n > MINORS_ORDER
+            }
             Phase::Enumerate => n <= MINORS_ORDER,
             Phase::Newton => n > MINORS_ORDER && n <= NEWTON_ORDER,
             Phase::Lemke => n <= LEMKE_ORDER,
         }
     }
 
-    /// Tries one method on the problems that wait, `X::LANES` at a time; those it does not solve wait on.
+    /// One iteration for the problems that wait, `X::LANES` at a time.
     #[inline(always)]
-    fn phase<const N: usize>(
+    fn iterate<const N: usize>(
         &mut self,
         phase: Phase,
+        iteration: usize,
         task: &Task<'_>,
         waiting: &mut Vec<usize>,
         output: &mut Output<'_>,
     ) {
-        self.failed.clear();
-        if phase == Phase::Newton && self.seen_unfit {
+        self.again.clear();
+        if phase.is_newton() && self.seen_unfit {
             self.set_aside_unfit(task, waiting);
         }
         let mut groups = waiting.chunks(X::LANES).peekable();
@@ -152,22 +175,26 @@ impl<X: Lane<Number = f64>, S: Lane<Number = f32>> Lanes<X, S> {
             let (fit, symmetric) = self.shape::<N>();
             self.seen_unfit |= fit.not().any();
             let open = X::Mask::from_bits(u32::MAX >> (32 - members.len()));
-            let mut group = Group { task, members, open, fit, symmetric };
+            let mut group = Group { task, members, iteration, open, fit, symmetric };
+            let mut again = X::Mask::NONE;
             // Symmetric lanes and the others take turns where the factorisation differs.
             for symmetric in [true, false] {
                 let lanes = self.lanes(phase, &group, symmetric);
                 if lanes.any() {
                     let found = self.run::<N>(phase, &group, lanes, symmetric);
+                    again = again.or(found.unsettled);
                     self.settle::<N>(phase, &mut group, &found, output);
                 }
             }
-            let open = group.open.bits();
-            if open == 0 {
-                continue;
+            let (open, again) = (group.open.bits(), again.bits());
+            for (l, &k) in members.iter().enumerate().filter(|(l, _)| open >> l & 1 == 1) {
+                let list = if again >> l & 1 == 1 { &mut self.again } else { &mut self.left };
+                list.push(k);
             }
-            self.failed.extend(members.iter().enumerate().filter(|&(l, _)| open >> l & 1 == 1).map(|(_, &k)| k));
         }
-        std::mem::swap(waiting, &mut self.failed);
+        if iteration == phase.iterations() {
+            self.left.append(&mut self.again);
+        }
     }
 
     /// Newton's method wants a positive diagonal: where there are others, they are not even loaded for it.
@@ -181,7 +208,7 @@ impl<X: Lane<Number = f64>, S: Lane<Number = f32>> Lanes<X, S> {
                 Numbers::Single(a) => a[block..block + n * n].iter().step_by(n + 1).all(|&x| x > 0.0),
             };
             if !fit {
-                self.failed.push(k);
+                self.left.push(k);
             }
             fit
         });
@@ -192,54 +219,74 @@ impl<X: Lane<Number = f64>, S: Lane<Number = f32>> Lanes<X, S> {
     fn lanes(&self, phase: Phase, group: &Group<'_, X>, symmetric: bool) -> X::Mask {
         let kind = if symmetric { group.symmetric } else { group.symmetric.not() };
         match phase {
-            Phase::Guess | Phase::Polish => group.open.and(kind),
-            Phase::Newton => group.open.and(kind).and(group.fit),
-            Phase::Point | Phase::Single | Phase::Enumerate | Phase::Lemke if symmetric => group.open,
-            Phase::Point | Phase::Single | Phase::Enumerate | Phase::Lemke => X::Mask::NONE,
+            Phase::Guess => group.open.and(kind),
+            Phase::Single | Phase::Newton => group.open.and(kind).and(group.fit),
+            Phase::Point | Phase::Enumerate | Phase::Lemke if symmetric => group.open,
+            Phase::Point | Phase::Enumerate | Phase::Lemke => X::Mask::NONE,
         }
     }
 
     /// Puts a point of every lane of `lanes` into the tile.
     #[inline(always)]
     fn run<const N: usize>(&mut self, phase: Phase, group: &Group<'_, X>, lanes: X::Mask, symmetric: bool) -> Found<X> {
-        let (n, zero) = (self.n, X::splat(0.0));
-        let mut iterations = [1; MOST_LANES];
+        let n = self.n;
+        let found = |method, lanes, iterations| Found { method, lanes, unsettled: X::Mask::NONE, iterations };
         match phase {
-            Phase::Guess | Phase::Point => self.place_guess(group),
-            Phase::Polish | Phase::Single => self.place_single(group),
-            _ => {
-                for i in 0..n {
-                    self.tile.alpha[i] = self.tile.q[i].lt(zero);
-                }
+            Phase::Guess => {
+                self.place_guess(group);
+                solve_guess::<X, N>(n, &mut self.tile, symmetric);
+                found(NEWTON, lanes, [1; MOST_LANES])
             }
-        }
-        match phase {
-            Phase::Guess | Phase::Polish | Phase::Newton => {
-                let limit = if phase == Phase::Newton { FACTORISATIONS } else { 1 };
-                let (iterations, lanes) = newton::<X, N>(n, &mut self.tile, lanes, symmetric, limit);
-                if limit == 1 {
-                    // Degenerate rows may come out a rounding error below zero: what counts is what is verified.
-                    for z in &mut self.tile.z {
-                        *z = z.max(zero);
-                    }
-                    multiply::<X, N>(n, &mut self.tile);
-                }
-                Found { method: NEWTON, lanes, iterations }
-            }
-            Phase::Point | Phase::Single => {
+            Phase::Point => {
+                self.place_guess(group);
                 multiply::<X, N>(n, &mut self.tile);
-                Found { method: NEWTON, lanes, iterations }
+                found(NEWTON, lanes, [1; MOST_LANES])
+            }
+            Phase::Single | Phase::Newton => {
+                let mut masks = [0; MOST_LANES];
+                for (mask, &k) in masks.iter_mut().zip(group.members) {
+                    *mask = self.guesses[k];
+                }
+                // Sweeps, unless an iteration or the caller's guess has led further.
+                let is_first = group.iteration == 1 && matches!(group.task.settings.guess, Guess::None);
+                let masks = if is_first { None } else { Some(&masks[..]) };
+                let step = if phase == Phase::Newton {
+                    newton::<X, N>(n, &mut self.tile, masks, symmetric)
+                } else {
+                    let step = newton::<S, N>(n, &mut self.singles, masks, symmetric);
+                    self.tile.guess(n, &self.singles.masks(n));
+                    widen(&self.singles.z, &mut self.tile.z);
+                    multiply::<X, N>(n, &mut self.tile);
+                    let same = |mask: S::Mask| X::Mask::from_bits(mask.bits());
+                    Step { settled: same(step.settled), unsettled: same(step.unsettled) }
+                };
+                let unsettled = step.unsettled.and(lanes);
+                self.keep_guesses(group, unsettled);
+                let iterations = [group.iteration as u8; MOST_LANES];
+                Found { unsettled, ..found(NEWTON, lanes.and(step.settled), iterations) }
             }
             Phase::Enumerate => {
                 let (lanes, iterations) = enumerate(n, &mut self.tile);
                 multiply::<X, N>(n, &mut self.tile);
-                Found { method: ENUMERATE, lanes, iterations }
+                found(ENUMERATE, lanes, iterations)
             }
             Phase::Lemke => {
-                let limit = PIVOTS_PER_ROW * n;
-                let lanes = self.pivots.solve::<N>(n, &mut self.tile, lanes, limit, &mut iterations);
-                Found { method: LEMKE, lanes, iterations }
+                let mut iterations = [1; MOST_LANES];
+                let lanes = self.pivots.solve::<N>(n, &mut self.tile, lanes, PIVOTS_PER_ROW * n, &mut iterations);
+                found(LEMKE, lanes, iterations)
             }
+        }
+    }
+
+    /// Keeps the guesses of these lanes for their next iteration.
+    #[inline(always)]
+    fn keep_guesses(&mut self, group: &Group<'_, X>, lanes: X::Mask) {
+        if !lanes.any() {
+            return;
+        }
+        let (masks, lanes) = (self.tile.masks(self.n), lanes.bits());
+        for (l, &k) in group.members.iter().enumerate().filter(|(l, _)| lanes >> l & 1 == 1) {
+            self.guesses[k] = masks[l];
         }
     }
 
@@ -254,14 +301,7 @@ impl<X: Lane<Number = f64>, S: Lane<Number = f32>> Lanes<X, S> {
         match task.settings.guess {
             Guess::None => {}
             Guess::Masks(masks) => {
-                let guesses = places.map(|k| masks[k]);
-                for i in 0..n {
-                    let mut bits = 0;
-                    for (l, guess) in guesses[..X::LANES].iter().enumerate() {
-                        bits |= (guess >> i & 1) << l;
-                    }
-                    self.tile.alpha[i] = X::Mask::from_bits(bits as u32);
-                }
+                self.tile.guess(n, &places.map(|k| masks[k]));
             }
             Guess::Flags(flags) => {
                 for i in 0..n {
@@ -273,24 +313,10 @@ impl<X: Lane<Number = f64>, S: Lane<Number = f32>> Lanes<X, S> {
                 }
             }
             Guess::Points(z) => {
-                columns::<X>(Numbers::Double(z), n, &places, &mut [], &mut self.tile.z);
+                transpose(z, n, &places, &mut self.tile.z);
                 for i in 0..n {
                     self.tile.alpha[i] = X::splat(0.0).lt(self.tile.z[i]);
                 }
-            }
-        }
-    }
-
-    /// What single precision found.
-    #[inline(always)]
-    fn place_single(&mut self, group: &Group<'_, X>) {
-        let n = self.n;
-        for l in 0..X::LANES {
-            let k = group.members[l.min(group.members.len() - 1)];
-            for i in 0..n {
-                let z = self.points[k * n + i];
-                self.tile.alpha[i].set(l, z > 0.0);
-                self.tile.z[i].set(l, f64::from(z).max(0.0));
             }
         }
     }
@@ -324,6 +350,10 @@ impl<X: Lane<Number = f64>, S: Lane<Number = f32>> Lanes<X, S> {
                 refine::<X, N>(self.n, &mut self.tile, wanting);
             }
         };
+        if phase == Phase::Guess {
+            improve_guess::<X, N>(self.n, &mut self.tile);
+            self.keep_guesses(group, lanes.and(verdict.solved.not()));
+        }
         if phase != Phase::Lemke {
             for (alpha, z) in self.tile.alpha.iter_mut().zip(&self.tile.z) {
                 *alpha = X::splat(0.0).lt(*z);
@@ -370,22 +400,20 @@ impl<X: Lane<Number = f64>, S: Lane<Number = f32>> Lanes<X, S> {
             return;
         }
         for (source, out) in [(&self.tile.z, &mut *output.z), (&self.tile.w, &mut *output.w)] {
+            let (blocks, rest) = source[..n].as_chunks::<BLOCK>();
             // Backwards: a last block that is not whole reaches into the next row.
-            for (b, columns) in source[..n].chunks(BLOCK).enumerate().rev() {
+            if !rest.is_empty() {
+                X::store_columns(rest, &mut self.rows[n - rest.len()..], n);
+            }
+            for (b, columns) in blocks.iter().enumerate().rev() {
                 X::store_columns(columns, &mut self.rows[BLOCK * b..], n);
             }
             for (l, k, count) in runs(group.members, solved) {
                 out[k * n..(k + count) * n].copy_from_slice(&self.rows[l * n..(l + count) * n]);
             }
         }
-        let (mut masks, mut iterations) = ([0_u64; MOST_LANES], [0; MOST_LANES]);
+        let (masks, mut iterations) = (self.tile.masks(n), [0; MOST_LANES]);
         let (mut residual, mut natural_residual) = ([0.0; MOST_LANES], [0.0; MOST_LANES]);
-        for (i, alpha) in self.tile.alpha[..n].iter().enumerate() {
-            let bits = alpha.bits();
-            for (l, mask) in masks[..X::LANES].iter_mut().enumerate() {
-                *mask |= u64::from(bits >> l & 1) << i;
-            }
-        }
         for l in 0..X::LANES {
             iterations[l] = u32::from(found.iterations[l]);
             residual[l] = verdict.residual.get(l);
@@ -412,21 +440,20 @@ impl<X: Lane<Number = f64>, S: Lane<Number = f32>> Lanes<X, S> {
             let place = task.first + members[l.min(members.len() - 1)];
             (a_blocks[l], q_blocks[l]) = (problems.a_source.block(place), problems.q_source.block(place));
         }
-        let split = (X::LANES * n * n).min(self.wide.len());
-        let (wide_a, wide_q) = self.wide.split_at_mut(split);
+        let (tile, singles) = (&mut self.tile, &mut self.singles);
         if a_blocks[..X::LANES] != self.loaded[..X::LANES] {
-            columns::<X>(problems.a, n * n, &a_blocks, wide_a, &mut self.tile.a);
+            columns(problems.a, n * n, &a_blocks, &mut singles.a, &mut tile.a);
             self.loaded = a_blocks;
         }
-        columns::<X>(problems.q, n, &q_blocks, wide_q, &mut self.tile.q);
+        columns(problems.q, n, &q_blocks, &mut singles.q, &mut tile.q);
     }
 
     /// Plans to ask for the matrices of the problems that are next.
     #[inline(always)]
     fn plan_ahead(&mut self, phase: Phase, task: &Task<'_>, members: &[usize]) {
         let (n, problems, ahead) = (self.n, task.problems, &mut self.tile.ahead);
-        // Most problems take two factorisations of n columns, each of which is a step.
-        let steps = if phase == Phase::Newton { 2 * n } else { n };
+        // A factorisation has a step for each column; sweeps have more.
+        let steps = if phase.is_newton() { 2 * n } else { n };
         ahead.clear();
         // Smaller ones come in order, and the processor sees that by itself.
         let members = if n > MINORS_ORDER { members } else { &[] };
@@ -456,44 +483,6 @@ impl<X: Lane<Number = f64>, S: Lane<Number = f32>> Lanes<X, S> {
         }
         (fit, symmetric)
     }
-
-    /// Newton's method on the problems that wait in single precision, sixteen at a time; nothing is verified here.
-    #[inline(always)]
-    fn in_single_precision<const N: usize>(&mut self, task: &Task<'_>, waiting: &[usize], chunk: usize) {
-        let (n, problems) = (self.n, task.problems);
-        let (Some(tile), Numbers::Single(a), Numbers::Single(q)) = (&mut self.singles, problems.a, problems.q) else {
-            return;
-        };
-        self.points.resize(chunk * n, 0.0);
-        let zero = S::splat(0.0);
-        for members in waiting.chunks(S::LANES) {
-            let (mut sources, mut vectors): ([&[f32]; MOST_LANES], [&[f32]; MOST_LANES]) = Default::default();
-            for l in 0..S::LANES {
-                let place = task.first + members[l.min(members.len() - 1)];
-                let (a_block, q_block) = (problems.a_source.block(place), problems.q_source.block(place));
-                sources[l] = &a[a_block * n * n..(a_block + 1) * n * n];
-                vectors[l] = &q[q_block * n..(q_block + 1) * n];
-            }
-            transpose::<S>(n * n, &sources, &mut tile.a);
-            transpose::<S>(n, &vectors, &mut tile.q);
-            for i in 0..n {
-                tile.alpha[i] = tile.q[i].lt(zero);
-            }
-            // Without the lanes that were given up: what they hold is not theirs alone.
-            let (_, lanes) = newton::<S, N>(n, tile, S::Mask::ALL, false, FACTORISATIONS);
-            for z in &mut tile.z {
-                *z = z.only(lanes);
-            }
-            let mut rows = [0.0; BLOCK * MOST_LANES];
-            for (b, columns) in tile.z[..n].chunks(BLOCK).enumerate() {
-                S::store_columns(columns, &mut rows, BLOCK);
-                for (row, &k) in rows.chunks_exact(BLOCK).zip(members) {
-                    let place = k * n + BLOCK * b;
-                    self.points[place..place + columns.len()].copy_from_slice(&row[..columns.len()]);
-                }
-            }
-        }
-    }
 }
 
 /// Lanes of `solved` whose problems follow each other: the first lane, its problem, and how many.
@@ -513,42 +502,50 @@ fn runs(members: &[usize], solved: u32) -> impl Iterator<Item = (usize, usize, u
     })
 }
 
-/// Number e of block `blocks[l]` goes to lane l of `out[e]`, for `length` numbers e.
+/// Number e of block `blocks[l]` goes to lane l of `out[e]`, for `length` numbers e; by way of `singles` what is in single precision.
 #[inline(always)]
-fn columns<X: Lane<Number = f64>>(
+fn columns<X: Lane<Number = f64>, S: Lane<Number = f32>>(
     numbers: Numbers<'_>,
     length: usize,
     blocks: &[usize; MOST_LANES],
-    wide: &mut [f64],
+    singles: &mut [S],
     out: &mut [X],
 ) {
-    let mut sources: [&[f64]; MOST_LANES] = [&[]; MOST_LANES];
     match numbers {
-        Numbers::Double(x) => {
-            for l in 0..X::LANES {
-                sources[l] = &x[blocks[l] * length..(blocks[l] + 1) * length];
-            }
-        }
-        Numbers::Single(_) => {
-            for l in 0..X::LANES {
-                numbers.copy(blocks[l] * length, &mut wide[l * length..(l + 1) * length]);
-            }
-            for l in 0..X::LANES {
-                sources[l] = &wide[l * length..(l + 1) * length];
-            }
+        Numbers::Double(x) => transpose::<X>(x, length, blocks, out),
+        Numbers::Single(x) => {
+            transpose::<S>(x, length, blocks, singles);
+            widen(&singles[..length], out);
         }
     }
-    transpose::<X>(length, &sources, out);
 }
 
-/// Number e of `sources[l]` goes to lane l of `out[e]`, for `length` numbers e.
+/// The same numbers in double precision.
 #[inline(always)]
-fn transpose<X: Lane>(length: usize, sources: &[&[X::Number]; MOST_LANES], out: &mut [X]) {
-    for (b, out) in out[..length].chunks_mut(BLOCK).enumerate() {
-        let mut rows = *sources;
-        for row in &mut rows[..X::LANES] {
-            *row = &row[BLOCK * b..];
+fn widen<X: Lane<Number = f64>, S: Lane<Number = f32>>(singles: &[S], out: &mut [X]) {
+    for (out, single) in out.iter_mut().zip(singles) {
+        let mut doubles = [0.0; MOST_LANES];
+        for (l, double) in doubles[..X::LANES].iter_mut().enumerate() {
+            *double = single.get(l);
         }
-        X::load_columns(&rows[..X::LANES], out);
+        *out = X::from_slice(&doubles[..X::LANES]);
+    }
+}
+
+/// Number e of block `blocks[l]` goes to lane l of `out[e]`, for `length` numbers e.
+#[inline(always)]
+fn transpose<X: Lane>(numbers: &[X::Number], length: usize, blocks: &[usize; MOST_LANES], out: &mut [X]) {
+    let mut sources: [&[X::Number]; MOST_LANES] = [&[]; MOST_LANES];
+    for (source, block) in sources[..X::LANES].iter_mut().zip(blocks) {
+        *source = &numbers[block * length..(block + 1) * length];
+    }
+    let sources = &sources[..X::LANES];
+    // Blocks of known length first: for them the compiler knows every instruction.
+    let (blocks, rest) = out[..length].as_chunks_mut::<BLOCK>();
+    for (b, block) in blocks.iter_mut().enumerate() {
+        X::load_columns(sources, BLOCK * b, block);
+    }
+    if !rest.is_empty() {
+        X::load_columns(sources, length - rest.len(), rest);
     }
 }

@@ -169,24 +169,17 @@ impl<X: Lane> Pivots<X> {
             rhs[i] = sum.only(r.abs().mul(noise).lt(sum.abs()));
             basic[i] = state.driving.or_else(here, basic[i]);
         }
-        let (mut rows, mut i) = (t.chunks_exact_mut(4 * s), 0);
+        let (mut rows, mut i) = (t.chunks_exact_mut(2 * s), 0);
         for rows in rows.by_ref() {
-            let (mut c, mut keep) = ([X::splat(0.0); 4], [X::Mask::NONE; 4]);
-            for r in 0..4 {
-                c[r] = column[i + r];
-                keep[r] = state.row.eq(X::splat((i + r) as f64)).not();
+            let (c, d) = (column[i], column[i + 1]);
+            let (keep, hold) = (state.row.eq(X::splat(i as f64)).not(), state.row.eq(X::splat((i + 1) as f64)).not());
+            let (first, second) = rows.split_at_mut(s);
+            for ((a, b), (p, stays)) in first.iter_mut().zip(second).zip(row.iter().zip(&*elsewhere)) {
+                let (p, stays) = (*p, *stays);
+                *a = a.only(keep.and(stays)).add_product(c, p);
+                *b = b.only(hold.and(stays)).add_product(d, p);
             }
-            let (first, rest) = rows.split_at_mut(s);
-            let (second, rest) = rest.split_at_mut(s);
-            let (third, fourth) = rest.split_at_mut(s);
-            let four = first.iter_mut().zip(second).zip(third).zip(fourth);
-            for ((((a, b), x), y), (p, stays)) in four.zip(row.iter().zip(&*elsewhere)) {
-                *a = a.only(keep[0].and(*stays)).add_product(c[0], *p);
-                *b = b.only(keep[1].and(*stays)).add_product(c[1], *p);
-                *x = x.only(keep[2].and(*stays)).add_product(c[2], *p);
-                *y = y.only(keep[3].and(*stays)).add_product(c[3], *p);
-            }
-            i += 4;
+            i += 2;
         }
         for last in rows.into_remainder().chunks_exact_mut(s) {
             let (c, keep) = (column[i], state.row.eq(X::splat(i as f64)).not());

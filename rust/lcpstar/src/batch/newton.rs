@@ -1,4 +1,4 @@
-//! Newton's method on `min(z, w) = 0`, one problem per lane: guess the support `alpha`, solve
+//! Newton's method on `min(z, w) = 0`, one problem per lane: guess the support `alpha` by a few Gauss-Seidel sweeps, solve
 //! `A_aa z_a = -q_a`, correct the guess by the signs of z and w, until it stays. [CPS92, sec. 5.8], [HIK03]
 //!
 //! For P-matrices this is block principal pivoting; it ends after a few factorisations on almost every problem with a
@@ -7,6 +7,7 @@
 //! singular blocks; the error it leaves is removed by refinement, and `verify` has the last word.
 
 use super::ahead::Ahead;
+use super::lanes::MOST_LANES;
 use crate::small::lane::{Lane, Mask};
 use crate::small::lemke::CANCELLED;
 
@@ -44,14 +45,24 @@ struct Block<X: Lane> {
     inside: Vec<X::Mask>,
     /// The place in the problem of each row, n beyond the support.
     places: Vec<X>,
-    /// `L` (lower triangle), unit `U` (upper triangle) and the right-hand side (last column).
-    factors: Vec<X>,
-    /// `1 / L_jj`.
-    inverse: Vec<X>,
+    factors: Factors<X>,
     /// A right-hand side or a solution.
     x: Vec<X>,
     /// z, and room for what is nobody's.
     z: Vec<X>,
+}
+
+/// Crout's `A_aa = L U` and what it makes of the right-hand side. Rows of L and columns of U lie contiguous: each new number is the
+/// product of one of each.
+struct Factors<X: Lane> {
+    /// L, row by row.
+    lower: Vec<X>,
+    /// U with unit diagonal, column by column.
+    upper: Vec<X>,
+    /// `1 / L_jj`.
+    inverse: Vec<X>,
+    /// `-L^-1 q_a`.
+    y: Vec<X>,
 }
 
 impl<X: Lane> Tile<X> {
@@ -72,53 +83,127 @@ impl<X: Lane> Tile<X> {
                 q: vector.clone(),
                 inside: vec![X::Mask::NONE; n],
                 places: vec![zero; n + 1],
-                factors: vec![zero; n * (n + 1)],
-                inverse: vector.clone(),
+                factors: Factors {
+                    lower: vec![zero; n * n],
+                    upper: vec![zero; n * n],
+                    inverse: vector.clone(),
+                    y: vector.clone(),
+                },
                 x: vector,
                 z: vec![zero; n + 1],
             },
         }
     }
+
+    /// Sets the guess to the supports in `masks`: bit i of mask l says whether z_i of lane l is in.
+    #[inline(always)]
+    pub fn guess(&mut self, n: usize, masks: &[u64]) {
+        for i in 0..n {
+            let mut bits = 0;
+            for (l, mask) in masks[..X::LANES].iter().enumerate() {
+                bits |= (mask >> i & 1) << l;
+            }
+            self.alpha[i] = X::Mask::from_bits(bits as u32);
+        }
+    }
+
+    /// The guess as masks.
+    #[inline(always)]
+    pub fn masks(&self, n: usize) -> [u64; MOST_LANES] {
+        let mut masks = [0; MOST_LANES];
+        for (i, alpha) in self.alpha[..n].iter().enumerate() {
+            let bits = alpha.bits();
+            for (l, mask) in masks[..X::LANES].iter_mut().enumerate() {
+                *mask |= u64::from(bits >> l & 1) << i;
+            }
+        }
+        masks
+    }
 }
 
-/// Iterates from the guess in `tile.alpha` until no lane of `lanes` changes its mind, at most `limit` times, and
-/// returns the factorisations, lane by lane, and the lanes whose answer is worth verifying. O(n^3) each.
+/// Sweeps that guess a support: each costs a small part of a factorisation, the smaller the larger n.
+fn sweeps(n: usize) -> usize {
+    (1 + n / 4).clamp(3, 6)
+}
+
+/// Where an iteration leads.
+pub struct Step<X: Lane> {
+    /// Lanes whose guess stays: the point is the method's answer.
+    pub settled: X::Mask,
+    /// Lanes with a better guess in `tile.alpha`.
+    pub unsettled: X::Mask,
+}
+
+/// One iteration: from the supports in `masks`, bit i for z_i, or from sweeps. O(n^3).
 ///
 /// `N` is the order when it is known at compile time, else 0.
 #[inline(always)]
 pub fn newton<X: Lane, const N: usize>(
     n: usize,
     tile: &mut Tile<X>,
-    mut lanes: X::Mask,
+    masks: Option<&[u64]>,
     symmetric: bool,
-    limit: usize,
-) -> ([u8; 16], X::Mask) {
+) -> Step<X> {
     let n = if N == 0 { n } else { N };
-    let mut iterations = [0; 16];
-    let mut unsettled = lanes;
-    for _ in 0..limit {
-        let regular = solve::<X, N>(n, tile, symmetric, limit == 1);
-        multiply::<X, N>(n, tile);
-        for l in 0..X::LANES {
-            iterations[l] += u8::from(unsettled.get(l));
-        }
-        unsettled = improve_guess::<X, N>(n, tile).and(lanes);
-        if limit > 1 && !is_masked::<N>(n) {
-            // The larger a singular block, the longer the way from it: Lemke's method is faster. What such lanes find
-            // later is not looked at: when they stop is their neighbours' affair.
-            lanes = lanes.and(regular);
-            unsettled = unsettled.and(regular);
-        }
-        if !unsettled.any() {
-            break;
+    match masks {
+        Some(masks) => tile.guess(n, masks),
+        None => sweep::<X, N>(n, tile),
+    }
+    let regular = solve::<X, N>(n, tile, symmetric, false);
+    multiply::<X, N>(n, tile);
+    let changed = improve_guess::<X, N>(n, tile);
+    // The larger a singular block, the longer the way from it: Lemke's method is faster.
+    let worth = if is_masked::<N>(n) { X::Mask::ALL } else { regular };
+    Step { settled: changed.not().and(worth), unsettled: changed.and(worth) }
+}
+
+/// The point of the guess in `tile.alpha`, which may have degenerate rows: they come out as zero or a rounding error below, and
+/// what counts is what is verified. O(n^3).
+#[inline(always)]
+pub fn solve_guess<X: Lane, const N: usize>(n: usize, tile: &mut Tile<X>, symmetric: bool) {
+    solve::<X, N>(n, tile, symmetric, true);
+    for z in &mut tile.z {
+        *z = z.max(X::splat(0.0));
+    }
+    multiply::<X, N>(n, tile);
+}
+
+/// Guesses the support in `tile.alpha` by Gauss-Seidel sweeps projected on `z >= 0`, for lanes with a positive diagonal. O(n^2)
+/// a sweep. [CPS92, sec. 5.2]
+#[inline(always)]
+fn sweep<X: Lane, const N: usize>(n: usize, tile: &mut Tile<X>) {
+    let n = if N == 0 { n } else { N };
+    let (a, q, z, alpha) = (&tile.a[..n * n], &tile.q[..n], &mut tile.z[..n], &mut tile.alpha[..n]);
+    // In memory of the factorisation to come.
+    let (zero, minus_inverse) = (X::splat(0.0), &mut tile.block.factors.inverse[..n]);
+    for i in 0..n {
+        minus_inverse[i] = X::splat(-1.0).div(a[i * n + i]);
+    }
+    for k in 0..sweeps(n) {
+        for i in 0..n {
+            tile.ahead.step();
+            let row = &a[i * n..(i + 1) * n];
+            let mut sum = q[i];
+            // What is new comes last, so that the rest need not wait for it. At first, z is zero from i on.
+            if k > 0 {
+                for (a, z) in row[i + 1..].iter().zip(&z[i + 1..]) {
+                    sum = sum.add_product(*a, *z);
+                }
+            }
+            for (a, z) in row[..i].iter().zip(&z[..i]) {
+                sum = sum.add_product(*a, *z);
+            }
+            z[i] = sum.mul(minus_inverse[i]).max(zero);
         }
     }
-    (iterations, lanes)
+    for (alpha, z) in alpha.iter_mut().zip(&*z) {
+        *alpha = zero.lt(*z);
+    }
 }
 
 /// The next guess: `z_i > 0` stays in, `w_i < 0` comes in, except for `NOISE`. Returns the lanes that changed.
 #[inline(always)]
-fn improve_guess<X: Lane, const N: usize>(n: usize, tile: &mut Tile<X>) -> X::Mask {
+pub fn improve_guess<X: Lane, const N: usize>(n: usize, tile: &mut Tile<X>) -> X::Mask {
     let n = if N == 0 { n } else { N };
     let zero = X::splat(0.0);
     let (alpha, z, w) = (&mut tile.alpha[..n], &tile.z[..n], &tile.w[..n]);
@@ -143,21 +228,21 @@ fn solve<X: Lane, const N: usize>(n: usize, tile: &mut Tile<X>, symmetric: bool,
     let n = if N == 0 { n } else { N };
     let Tile { a, q, z, alpha, ahead, block, .. } = tile;
     if is_masked::<N>(n) {
-        let Block { factors, inverse, .. } = block;
-        let regular = factor::<X, N>(n, a, q, alpha, factors, inverse, symmetric, ahead);
-        substitute_back::<X, N>(n, factors, z);
+        let factors = &mut block.factors;
+        let regular = factors.compute::<N>(n, a, q, alpha, symmetric, ahead);
+        factors.substitute_back::<N>(n, z);
         if cleaned {
-            clean::<X, N>(n, q, alpha, factors, inverse, z);
+            factors.clean::<N>(n, q, alpha, z);
         }
         return regular;
     }
     block.gather(n, a, q, alpha);
     let size = block.size;
-    let Block { a, q, inside, factors, inverse, x, .. } = block;
-    let regular = factor::<X, 0>(size, a, q, inside, factors, inverse, symmetric, ahead);
-    substitute_back::<X, 0>(size, factors, x);
+    let Block { a, q, inside, factors, x, .. } = block;
+    let regular = factors.compute::<0>(size, a, q, inside, symmetric, ahead);
+    factors.substitute_back::<0>(size, x);
     if cleaned {
-        clean::<X, 0>(size, q, inside, factors, inverse, x);
+        factors.clean::<0>(size, q, inside, x);
     }
     block.scatter();
     z[..n].copy_from_slice(&block.z[..n]);
@@ -214,136 +299,158 @@ impl<X: Lane> Block<X> {
     }
 }
 
-/// Crout's `L U` of the block `A_aa`, in place among the identity on the other rows and columns, with the
-/// right-hand side `-q_a` carried along as column n. Returns the lanes in which no pivot was raised.
-#[inline(always)]
-fn factor<X: Lane, const N: usize>(
-    n: usize,
-    a: &[X],
-    q: &[X],
-    alpha: &[X::Mask],
-    factors: &mut [X],
-    inverse: &mut [X],
-    symmetric: bool,
-    ahead: &mut Ahead,
-) -> X::Mask {
-    let n = if N == 0 { n } else { N };
-    let s = n + 1;
-    let (a, q, alpha) = (&a[..n * n], &q[..n], &alpha[..n]);
-    let (f, inverse) = (&mut factors[..n * s], &mut inverse[..n]);
-    let (one, floor) = (X::splat(1.0), X::splat(FLOOR));
-    let mut regular = X::Mask::ALL;
-    for j in 0..n {
-        ahead.step();
-        let inside = alpha[j];
-        // Column j of L, from the diagonal down.
-        let mut i = j;
-        while i + 4 <= n {
-            let mut sum = [X::splat(0.0); 4];
-            for r in 0..4 {
-                sum[r] = a[(i + r) * n + j].only(inside.and(alpha[i + r]));
-            }
-            for k in 0..j {
-                let u = f[k * s + j];
-                for r in 0..4 {
-                    sum[r] = sum[r].sub_product(f[(i + r) * s + k], u);
-                }
-            }
-            for r in 0..4 {
-                f[(i + r) * s + j] = sum[r];
-            }
-            i += 4;
-        }
-        while i < n {
-            let mut sum = a[i * n + j].only(inside.and(alpha[i]));
-            for k in 0..j {
-                sum = sum.sub_product(f[i * s + k], f[k * s + j]);
-            }
-            f[i * s + j] = sum;
-            i += 1;
-        }
-        let least = a[j * n + j].abs().mul(floor);
-        regular = regular.and(least.le(f[j * s + j]).or(inside.not()));
-        let pivot = f[j * s + j].max(least).or_else(inside, one);
-        let reciprocal = one.div(pivot);
-        f[j * s + j] = pivot;
-        inverse[j] = reciprocal;
-        // Row j of U, right of the diagonal.
-        if symmetric {
-            for i in j + 1..n {
-                f[j * s + i] = f[i * s + j].mul(reciprocal);
-            }
-        } else {
-            let mut i = j + 1;
+impl<X: Lane> Factors<X> {
+    /// Factors the block `A_aa` among the identity on the other rows and columns. Returns the lanes in which no pivot was raised.
+    #[inline(always)]
+    fn compute<const N: usize>(
+        &mut self,
+        n: usize,
+        a: &[X],
+        q: &[X],
+        alpha: &[X::Mask],
+        symmetric: bool,
+        ahead: &mut Ahead,
+    ) -> X::Mask {
+        let n = if N == 0 { n } else { N };
+        let (a, q, alpha) = (&a[..n * n], &q[..n], &alpha[..n]);
+        let (lower, upper) = (&mut self.lower[..n * n], &mut self.upper[..n * n]);
+        let (inverse, y) = (&mut self.inverse[..n], &mut self.y[..n]);
+        let (one, floor) = (X::splat(1.0), X::splat(FLOOR));
+        let mut regular = X::Mask::ALL;
+        for j in 0..n {
+            ahead.step();
+            let inside = alpha[j];
+            // Column j of L, from the diagonal down.
+            let row = &upper[j * n..j * n + j];
+            let mut i = j;
             while i + 4 <= n {
-                let mut sum = [X::splat(0.0); 4];
-                for r in 0..4 {
-                    sum[r] = a[j * n + i + r].only(inside.and(alpha[i + r]));
-                }
-                for k in 0..j {
-                    let l = f[j * s + k];
-                    for r in 0..4 {
-                        sum[r] = sum[r].sub_product(l, f[k * s + i + r]);
-                    }
-                }
-                for r in 0..4 {
-                    f[j * s + i + r] = sum[r].mul(reciprocal);
-                }
+                entries::<X, 4>(n, i, j, &a[i * n + j..], n, inside, alpha, row, lower, one);
                 i += 4;
             }
-            while i < n {
-                let mut sum = a[j * n + i].only(inside.and(alpha[i]));
-                for k in 0..j {
-                    sum = sum.sub_product(f[j * s + k], f[k * s + i]);
+            match n - i {
+                3 => entries::<X, 3>(n, i, j, &a[i * n + j..], n, inside, alpha, row, lower, one),
+                2 => entries::<X, 2>(n, i, j, &a[i * n + j..], n, inside, alpha, row, lower, one),
+                1 => entries::<X, 1>(n, i, j, &a[i * n + j..], n, inside, alpha, row, lower, one),
+                _ => {}
+            }
+            let least = a[j * n + j].abs().mul(floor);
+            let pivot = lower[j * n + j];
+            regular = regular.and(least.le(pivot).or(inside.not()));
+            let pivot = pivot.max(least).or_else(inside, one);
+            let reciprocal = one.div(pivot);
+            lower[j * n + j] = pivot;
+            inverse[j] = reciprocal;
+            // Row j of U, right of the diagonal.
+            if symmetric {
+                for i in j + 1..n {
+                    upper[i * n + j] = lower[i * n + j].mul(reciprocal);
                 }
-                f[j * s + i] = sum.mul(reciprocal);
-                i += 1;
+            } else {
+                let row = &lower[j * n..j * n + j];
+                let mut i = j + 1;
+                while i + 4 <= n {
+                    entries::<X, 4>(n, i, j, &a[j * n + i..], 1, inside, alpha, row, upper, reciprocal);
+                    i += 4;
+                }
+                match n - i {
+                    3 => entries::<X, 3>(n, i, j, &a[j * n + i..], 1, inside, alpha, row, upper, reciprocal),
+                    2 => entries::<X, 2>(n, i, j, &a[j * n + i..], 1, inside, alpha, row, upper, reciprocal),
+                    1 => entries::<X, 1>(n, i, j, &a[j * n + i..], 1, inside, alpha, row, upper, reciprocal),
+                    _ => {}
+                }
+            }
+            let mut sum = q[j].neg().only(inside);
+            for (l, y) in lower[j * n..j * n + j].iter().zip(&y[..j]) {
+                sum = sum.sub_product(*l, *y);
+            }
+            y[j] = sum.mul(reciprocal);
+        }
+        regular
+    }
+
+    /// `z = U^-1 y`.
+    #[inline(always)]
+    fn substitute_back<const N: usize>(&self, n: usize, z: &mut [X]) {
+        let n = if N == 0 { n } else { N };
+        z[..n].copy_from_slice(&self.y[..n]);
+        self.solve_upper::<N>(n, z);
+    }
+
+    /// `x = U^-1 x`.
+    #[inline(always)]
+    fn solve_upper<const N: usize>(&self, n: usize, x: &mut [X]) {
+        let n = if N == 0 { n } else { N };
+        for i in (1..n).rev() {
+            let (before, x) = x[..=i].split_at_mut(i);
+            for (z, u) in before.iter_mut().zip(&self.upper[i * n..i * n + i]) {
+                *z = z.sub_product(*u, x[0]);
             }
         }
-        let mut sum = q[j].neg().only(inside);
-        for k in 0..j {
-            sum = sum.sub_product(f[j * s + k], f[k * s + n]);
-        }
-        f[j * s + n] = sum.mul(reciprocal);
     }
-    regular
+
+    /// `x = L^-1 x`.
+    #[inline(always)]
+    fn solve_lower<const N: usize>(&self, n: usize, x: &mut [X]) {
+        let n = if N == 0 { n } else { N };
+        for i in 0..n {
+            let (before, x) = x[..=i].split_at_mut(i);
+            let mut sum = x[0];
+            for (l, y) in self.lower[i * n..i * n + i].iter().zip(&*before) {
+                sum = sum.sub_product(*l, *y);
+            }
+            x[0] = sum.mul(self.inverse[i]);
+        }
+    }
+
+    /// Sets to zero what is not larger than the rounding errors of the two substitutions it came from: degenerate rows of a
+    /// guessed support, in which anything else is a wrong w. O(n^2).
+    #[inline(always)]
+    fn clean<const N: usize>(&self, n: usize, q: &[X], alpha: &[X::Mask], z: &mut [X]) {
+        let n = if N == 0 { n } else { N };
+        let (lower, upper, inverse, y) = (&self.lower[..n * n], &self.upper[..n * n], &self.inverse[..n], &self.y[..n]);
+        let z = &mut z[..n];
+        let rounding = X::splat(NOISE * X::EPS);
+        for i in 0..n {
+            let mut size = q[i].abs().only(alpha[i]);
+            for k in 0..i {
+                size = size.add_product(lower[i * n + k].abs(), y[k].abs());
+            }
+            size = size.mul(inverse[i].abs());
+            for k in i + 1..n {
+                size = size.add_product(upper[k * n + i].abs(), z[k].abs());
+            }
+            z[i] = z[i].only(size.mul(rounding).lt(z[i].abs()));
+        }
+    }
 }
 
-/// `z = U^-1 y` with `y` in the last column of the factors.
+/// `(a_r - rows_r row) scale` for R rows from i on goes to column j of them; `a_r` lies at `r stride` in `a`.
 #[inline(always)]
-fn substitute_back<X: Lane, const N: usize>(n: usize, factors: &[X], z: &mut [X]) {
-    let n = if N == 0 { n } else { N };
-    let s = n + 1;
-    let (f, z) = (&factors[..n * s], &mut z[..n]);
-    for i in 0..n {
-        z[i] = f[i * s + n];
+fn entries<X: Lane, const R: usize>(
+    n: usize,
+    i: usize,
+    j: usize,
+    a: &[X],
+    stride: usize,
+    inside: X::Mask,
+    alpha: &[X::Mask],
+    row: &[X],
+    rows: &mut [X],
+    scale: X,
+) {
+    let mut sum = [X::splat(0.0); R];
+    let mut others = [row; R];
+    for r in 0..R {
+        sum[r] = a[r * stride].only(inside.and(alpha[i + r]));
+        others[r] = &rows[(i + r) * n..(i + r) * n + j];
     }
-    for i in (1..n).rev() {
-        let x = z[i];
-        for k in 0..i {
-            z[k] = z[k].sub_product(f[k * s + i], x);
+    for (k, x) in row.iter().enumerate() {
+        for r in 0..R {
+            sum[r] = sum[r].sub_product(others[r][k], *x);
         }
     }
-}
-
-/// Sets to zero what is not larger than the rounding errors of the two substitutions it came from: degenerate rows of a
-/// guessed support, in which anything else is a wrong w. O(n^2).
-#[inline(always)]
-fn clean<X: Lane, const N: usize>(n: usize, q: &[X], alpha: &[X::Mask], factors: &[X], inverse: &[X], z: &mut [X]) {
-    let n = if N == 0 { n } else { N };
-    let s = n + 1;
-    let (f, z) = (&factors[..n * s], &mut z[..n]);
-    let rounding = X::splat(NOISE * X::EPS);
-    for i in 0..n {
-        let mut size = q[i].abs().only(alpha[i]);
-        for k in 0..i {
-            size = size.add_product(f[i * s + k].abs(), f[k * s + n].abs());
-        }
-        size = size.mul(inverse[i].abs());
-        for k in i + 1..n {
-            size = size.add_product(f[i * s + k].abs(), z[k].abs());
-        }
-        z[i] = z[i].only(size.mul(rounding).lt(z[i].abs()));
+    for r in 0..R {
+        rows[(i + r) * n + j] = sum[r].mul(scale);
     }
 }
 
@@ -380,7 +487,6 @@ pub fn refine<X: Lane, const N: usize>(n: usize, tile: &mut Tile<X>, which: X::M
     let block = &mut tile.block;
     let masked = is_masked::<N>(n);
     let m = if masked { n } else { block.size };
-    let s = m + 1;
     for i in 0..m {
         block.x[i] = if masked {
             tile.w[i].only(tile.alpha[i])
@@ -388,20 +494,9 @@ pub fn refine<X: Lane, const N: usize>(n: usize, tile: &mut Tile<X>, which: X::M
             X::pick(&tile.w, block.places[i].index(n, 1)).only(block.inside[i])
         };
     }
-    let (f, inverse, y) = (&block.factors[..m * s], &block.inverse[..m], &mut block.x[..m]);
-    for k in 0..m {
-        let x = y[k].mul(inverse[k]);
-        y[k] = x;
-        for i in k + 1..m {
-            y[i] = y[i].sub_product(f[i * s + k], x);
-        }
-    }
-    for i in (1..m).rev() {
-        let x = y[i];
-        for k in 0..i {
-            y[k] = y[k].sub_product(f[k * s + i], x);
-        }
-    }
+    let Block { factors, x, .. } = block;
+    factors.solve_lower::<N>(m, &mut x[..m]);
+    factors.solve_upper::<N>(m, &mut x[..m]);
     if !masked {
         block.scatter();
     }

@@ -10,11 +10,11 @@ use crate::problem::Lcp;
 use crate::scaling::Equilibrated;
 use crate::small::TINY_ORDER;
 #[cfg(target_arch = "x86_64")]
-use crate::small::avx::{Ymm2, Zmm, ZmmS};
+use crate::small::avx::{Ymm2, YmmS, Zmm, ZmmS};
 use crate::small::dispatch;
 #[cfg(target_arch = "x86_64")]
 use crate::small::lane::Pair;
-use crate::small::lane::{F32x16, F64x8, Lane};
+use crate::small::lane::{F32x8, F64x8, Lane};
 use crate::solution::{Candidate, Solution};
 use crate::status::{Status, Termination};
 use multiversion::multiversion;
@@ -83,7 +83,7 @@ pub fn work<'a>(
     {
         if target_cfg_f!(target_feature = "avx512f") {
             if problems.n > PAIR_ORDER {
-                return run::<Zmm, ZmmS, 0>(problems, settings, next);
+                return run::<Zmm, YmmS, 0>(problems, settings, next);
             }
             return match problems.n {
                 4 => run::<Pair<Zmm>, ZmmS, 4>(problems, settings, next),
@@ -95,9 +95,9 @@ pub fn work<'a>(
         }
         if target_cfg_f!(target_feature = "avx2") {
             return match problems.n {
-                4 => run::<Ymm2, F32x16<true>, 4>(problems, settings, next),
-                8 => run::<Ymm2, F32x16<true>, 8>(problems, settings, next),
-                _ => run::<Ymm2, F32x16<true>, 0>(problems, settings, next),
+                4 => run::<Ymm2, YmmS, 4>(problems, settings, next),
+                8 => run::<Ymm2, YmmS, 8>(problems, settings, next),
+                _ => run::<Ymm2, YmmS, 0>(problems, settings, next),
             };
         }
     }
@@ -112,10 +112,10 @@ fn portable<'a>(
     next: &(dyn Fn() -> Option<Chunk<'a>> + Sync),
 ) -> Result<()> {
     const FUSED: bool = cfg!(target_arch = "aarch64");
-    run::<F64x8<FUSED>, F32x16<FUSED>, 0>(problems, settings, next)
+    run::<F64x8<FUSED>, F32x8<FUSED>, 0>(problems, settings, next)
 }
 
-/// `X` holds problems side by side, `S` such in single precision; `N` is the order if known at compile time, else 0.
+/// `X` holds problems side by side, `S` as many in single precision; `N` is the order if known at compile time, else 0.
 #[inline(always)]
 pub(super) fn run<'a, X: Lane<Number = f64>, S: Lane<Number = f32>, const N: usize>(
     problems: &Problems<'_>,

@@ -7,24 +7,18 @@
 
 use super::lane::{BLOCK, Lane, Mask, Pair};
 use std::arch::x86_64::{
-    __m128i, __m256, __m256d, __m256i, __m512, __m512d, __m512i, _CMP_EQ_OQ, _CMP_LE_OQ, _CMP_LT_OQ, _mm_add_epi32,
-    _mm_add_pd, _mm_cvtsd_f64, _mm_max_pd, _mm_min_pd, _mm_mullo_epi32, _mm_set1_epi32, _mm_setr_epi32,
-    _mm_unpackhi_pd, _mm256_add_epi32, _mm256_add_pd, _mm256_and_pd, _mm256_andnot_pd, _mm256_blendv_pd,
-    _mm256_castpd_ps, _mm256_castpd256_pd128, _mm256_castps_pd, _mm256_cmp_pd, _mm256_cvttpd_epi32, _mm256_div_pd,
-    _mm256_extractf128_pd, _mm256_fmadd_pd, _mm256_fnmadd_pd, _mm256_i32gather_pd, _mm256_loadu_pd,
-    _mm256_maskz_loadu_ps, _mm256_max_pd, _mm256_min_pd, _mm256_movemask_pd, _mm256_mul_pd, _mm256_mullo_epi32,
-    _mm256_or_pd, _mm256_permute2f128_pd, _mm256_permute2f128_ps, _mm256_set1_epi32, _mm256_set1_pd, _mm256_setr_epi32,
-    _mm256_setzero_ps, _mm256_shuffle_ps, _mm256_storeu_pd, _mm256_storeu_ps, _mm256_sub_pd, _mm256_unpackhi_pd,
-    _mm256_unpackhi_ps, _mm256_unpacklo_pd, _mm256_unpacklo_ps, _mm256_xor_pd, _mm512_abs_pd, _mm512_abs_ps,
-    _mm512_add_epi32, _mm512_add_pd, _mm512_add_ps, _mm512_castpd_ps, _mm512_castpd256_pd512, _mm512_castpd512_pd256,
-    _mm512_castps_pd, _mm512_cmp_pd_mask, _mm512_cmp_ps_mask, _mm512_cvttpd_epi32, _mm512_cvttps_epi32, _mm512_div_pd,
-    _mm512_div_ps, _mm512_extractf64x4_pd, _mm512_fmadd_pd, _mm512_fmadd_ps, _mm512_fnmadd_pd, _mm512_fnmadd_ps,
-    _mm512_i32gather_pd, _mm512_i32gather_ps, _mm512_insertf64x4, _mm512_loadu_pd, _mm512_mask_blend_pd,
-    _mm512_mask_blend_ps, _mm512_maskz_loadu_pd, _mm512_maskz_mov_pd, _mm512_maskz_mov_ps, _mm512_max_pd,
-    _mm512_max_ps, _mm512_min_pd, _mm512_min_ps, _mm512_mul_pd, _mm512_mul_ps, _mm512_mullo_epi32, _mm512_set1_epi32,
-    _mm512_set1_pd, _mm512_set1_ps, _mm512_setr_epi32, _mm512_shuffle_f64x2, _mm512_storeu_pd, _mm512_sub_pd,
-    _mm512_sub_ps, _mm512_unpackhi_pd, _mm512_unpacklo_pd,
+    __m128i, __m256d, __m256i, __m512d, _CMP_EQ_OQ, _CMP_LE_OQ, _CMP_LT_OQ, _mm_add_pd, _mm_cvtsd_f64, _mm_max_pd,
+    _mm_min_pd, _mm_unpackhi_pd, _mm256_add_pd, _mm256_and_pd, _mm256_andnot_pd, _mm256_blendv_pd,
+    _mm256_castpd256_pd128, _mm256_cmp_pd, _mm256_cvttpd_epi32, _mm256_div_pd, _mm256_extractf128_pd, _mm256_fmadd_pd,
+    _mm256_fnmadd_pd, _mm256_loadu_pd, _mm256_max_pd, _mm256_min_pd, _mm256_movemask_pd, _mm256_mul_pd, _mm256_or_pd,
+    _mm256_permute2f128_pd, _mm256_set1_pd, _mm256_setr_pd, _mm256_storeu_pd, _mm256_sub_pd, _mm256_unpackhi_pd,
+    _mm256_unpacklo_pd, _mm256_xor_pd, _mm512_abs_pd, _mm512_add_pd, _mm512_castpd512_pd256, _mm512_cmp_pd_mask,
+    _mm512_cvttpd_epi32, _mm512_div_pd, _mm512_extractf64x4_pd, _mm512_fmadd_pd, _mm512_fnmadd_pd, _mm512_loadu_pd,
+    _mm512_mask_blend_pd, _mm512_maskz_loadu_pd, _mm512_maskz_mov_pd, _mm512_max_pd, _mm512_min_pd, _mm512_mul_pd,
+    _mm512_set1_pd, _mm512_setr_pd, _mm512_shuffle_f64x2, _mm512_storeu_pd, _mm512_sub_pd, _mm512_unpackhi_pd,
+    _mm512_unpacklo_pd,
 };
+use std::mem::transmute;
 
 /// Eight doubles in two registers of AVX2.
 pub type Ymm2 = Pair<Ymm>;
@@ -167,13 +161,33 @@ macro_rules! bits {
 }
 
 bits!(Bits, u8, 8);
-bits!(WideBits, u16, 16);
 
-/// Places of numbers, all in the first `span` vectors.
+/// One place in memory for each of `L` lanes, all in the first `span` vectors.
 #[derive(Clone, Copy, Debug)]
-pub struct ZmmIndex {
-    numbers: __m256i,
+pub struct Places<const L: usize> {
+    numbers: [u32; L],
     span: usize,
+}
+
+impl<const L: usize> Places<L> {
+    /// Lane l of vector `stride * vectors[l]`.
+    #[inline(always)]
+    fn new(vectors: [u32; L], limit: usize, stride: usize) -> Self {
+        let mut numbers = vectors;
+        for (l, number) in numbers.iter_mut().enumerate() {
+            *number = *number * (L * stride) as u32 + l as u32;
+        }
+        Self { numbers, span: (limit - 1) * stride + 1 }
+    }
+}
+
+/// Number after number, not by the machine's gather: where that is safe from leaking data it takes ten times as long.
+macro_rules! pick {
+    ($v:ident, $at:ident, $number:ty, $set:ident, $($l:literal)*) => {{
+        assert!($v.len() >= $at.span);
+        let first: *const $number = $v.as_ptr().cast();
+        Self(unsafe { $set($(*first.add($at.numbers[$l] as usize)),*) })
+    }};
 }
 
 /// The sum, largest or smallest of the lanes: upper half with lower half, again and again.
@@ -208,7 +222,7 @@ fn transpose_zmm(v: [__m512d; 8]) -> [__m512d; 8] {
 
 // SAFETY of every block below: see the head of this file.
 impl Lane for Zmm {
-    type Index = ZmmIndex;
+    type Index = Places<8>;
 
     operations!(
         f64,
@@ -236,10 +250,10 @@ impl Lane for Zmm {
         Self(unsafe { _mm512_maskz_loadu_pd((1 << x8) - 1, x.as_ptr()) })
     }
     #[inline(always)]
-    fn load_columns(rows: &[&[f64]], out: &mut [Self]) {
+    fn load_columns(rows: &[&[f64]], first: usize, out: &mut [Self]) {
         let mut v = [Self::splat(0.0).0; 8];
         for l in 0..8 {
-            v[l] = Self::from_slice(&rows[l][..out.len()]).0;
+            v[l] = Self::from_slice(&rows[l][first..first + out.len()]).0;
         }
         let v = transpose_zmm(v);
         for (k, out) in out.iter_mut().enumerate().take(8) {
@@ -259,19 +273,14 @@ impl Lane for Zmm {
         }
     }
     #[inline(always)]
-    fn index(self, limit: usize, stride: usize) -> ZmmIndex {
+    fn index(self, limit: usize, stride: usize) -> Places<8> {
         let place = self.max(Self::splat(0.0)).min(Self::splat((limit - 1) as f64));
-        let numbers = unsafe {
-            let lanes = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
-            let vectors = _mm256_mullo_epi32(_mm512_cvttpd_epi32(place.0), _mm256_set1_epi32(8 * stride as i32));
-            _mm256_add_epi32(vectors, lanes)
-        };
-        ZmmIndex { numbers, span: (limit - 1) * stride + 1 }
+        // SAFETY: eight integers are eight integers.
+        Places::new(unsafe { transmute::<__m256i, [u32; 8]>(_mm512_cvttpd_epi32(place.0)) }, limit, stride)
     }
     #[inline(always)]
-    fn pick(v: &[Self], at: ZmmIndex) -> Self {
-        assert!(v.len() >= at.span);
-        Self(unsafe { _mm512_i32gather_pd::<8>(at.numbers, v.as_ptr().cast()) })
+    fn pick(v: &[Self], at: Places<8>) -> Self {
+        pick!(v, at, f64, _mm512_setr_pd, 0 1 2 3 4 5 6 7)
     }
     #[inline(always)]
     fn sum(self) -> f64 {
@@ -299,151 +308,6 @@ impl Lane for Zmm {
     }
 }
 
-/// Sixteen floats in one register.
-#[derive(Clone, Copy, Debug)]
-#[repr(transparent)]
-pub struct ZmmS(__m512);
-
-numbers!(ZmmS, f32, 16);
-
-/// Places of numbers, all in the first `span` vectors.
-#[derive(Clone, Copy, Debug)]
-pub struct ZmmSIndex {
-    numbers: __m512i,
-    span: usize,
-}
-
-impl Lane for ZmmS {
-    type Index = ZmmSIndex;
-
-    operations!(
-        f32,
-        16,
-        WideBits,
-        _mm512_cmp_ps_mask,
-        _mm512_set1_ps,
-        _mm512_fmadd_ps,
-        _mm512_fnmadd_ps,
-        add = _mm512_add_ps,
-        sub = _mm512_sub_ps,
-        mul = _mm512_mul_ps,
-        div = _mm512_div_ps,
-        max = _mm512_max_ps,
-        min = _mm512_min_ps
-    );
-
-    #[inline(always)]
-    fn from_slice(x: &[f32]) -> Self {
-        let mut out = Self::splat(0.0);
-        for (l, x) in x.iter().enumerate().take(16) {
-            out.set(l, *x);
-        }
-        out
-    }
-    #[inline(always)]
-    fn load_columns(rows: &[&[f32]], out: &mut [Self]) {
-        let mut v = [unsafe { _mm256_setzero_ps() }; 8];
-        let mut halves = [v; 2];
-        for (h, half) in halves.iter_mut().enumerate() {
-            for l in 0..8 {
-                // Numbers beyond the row are not read.
-                let row = &rows[8 * h + l][..out.len()];
-                v[l] = unsafe { _mm256_maskz_loadu_ps(u8::MAX >> (8 - row.len()), row.as_ptr()) };
-            }
-            *half = transpose_floats(v);
-        }
-        for (k, out) in out.iter_mut().enumerate() {
-            let (low, high) = unsafe { (_mm256_castps_pd(halves[0][k]), _mm256_castps_pd(halves[1][k])) };
-            out.0 = unsafe { _mm512_castpd_ps(_mm512_insertf64x4::<1>(_mm512_castpd256_pd512(low), high)) };
-        }
-    }
-    #[inline(always)]
-    fn store_columns(columns: &[Self], rows: &mut [f32], stride: usize) {
-        for h in 0..2 {
-            let mut v = [unsafe { _mm256_setzero_ps() }; 8];
-            for (k, column) in columns.iter().enumerate().take(8) {
-                let whole = unsafe { _mm512_castps_pd(column.0) };
-                v[k] = unsafe {
-                    _mm256_castpd_ps(if h == 0 {
-                        _mm512_castpd512_pd256(whole)
-                    } else {
-                        _mm512_extractf64x4_pd::<1>(whole)
-                    })
-                };
-            }
-            let v = transpose_floats(v);
-            for l in 0..8 {
-                let first = (8 * h + l) * stride;
-                let row = &mut rows[first..first + BLOCK];
-                unsafe { _mm256_storeu_ps(row.as_mut_ptr(), v[l]) };
-            }
-        }
-    }
-    #[inline(always)]
-    fn index(self, limit: usize, stride: usize) -> ZmmSIndex {
-        let place = self.max(Self::splat(0.0)).min(Self::splat((limit - 1) as f64));
-        let numbers = unsafe {
-            let lanes = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
-            let vectors = _mm512_mullo_epi32(_mm512_cvttps_epi32(place.0), _mm512_set1_epi32(16 * stride as i32));
-            _mm512_add_epi32(vectors, lanes)
-        };
-        ZmmSIndex { numbers, span: (limit - 1) * stride + 1 }
-    }
-    #[inline(always)]
-    fn pick(v: &[Self], at: ZmmSIndex) -> Self {
-        assert!(v.len() >= at.span);
-        Self(unsafe { _mm512_i32gather_ps::<4>(at.numbers, v.as_ptr().cast()) })
-    }
-    #[inline(always)]
-    fn sum(self) -> f64 {
-        self.numbers().iter().copied().map(f64::from).sum()
-    }
-    #[inline(always)]
-    fn largest(self) -> f64 {
-        f64::from(self.numbers().iter().copied().fold(f32::NEG_INFINITY, f32::max))
-    }
-    #[inline(always)]
-    fn smallest(self) -> f64 {
-        f64::from(self.numbers().iter().copied().fold(f32::INFINITY, f32::min))
-    }
-    #[inline(always)]
-    fn abs(self) -> Self {
-        Self(unsafe { _mm512_abs_ps(self.0) })
-    }
-    #[inline(always)]
-    fn only(self, mask: WideBits) -> Self {
-        Self(unsafe { _mm512_maskz_mov_ps(mask.0, self.0) })
-    }
-    #[inline(always)]
-    fn or_else(self, mask: WideBits, x: Self) -> Self {
-        Self(unsafe { _mm512_mask_blend_ps(mask.0, x.0, self.0) })
-    }
-}
-
-/// As [`transpose_zmm`], eight floats by eight.
-#[inline(always)]
-fn transpose_floats(v: [__m256; 8]) -> [__m256; 8] {
-    let (mut pairs, mut fours, mut out) = (v, v, v);
-    unsafe {
-        for k in 0..4 {
-            pairs[2 * k] = _mm256_unpacklo_ps(v[2 * k], v[2 * k + 1]);
-            pairs[2 * k + 1] = _mm256_unpackhi_ps(v[2 * k], v[2 * k + 1]);
-        }
-        for k in 0..2 {
-            let [a, b, c, d] = [pairs[4 * k], pairs[4 * k + 1], pairs[4 * k + 2], pairs[4 * k + 3]];
-            fours[4 * k] = _mm256_shuffle_ps::<0x44>(a, c);
-            fours[4 * k + 1] = _mm256_shuffle_ps::<0xee>(a, c);
-            fours[4 * k + 2] = _mm256_shuffle_ps::<0x44>(b, d);
-            fours[4 * k + 3] = _mm256_shuffle_ps::<0xee>(b, d);
-        }
-        for k in 0..4 {
-            out[k] = _mm256_permute2f128_ps::<0x20>(fours[k], fours[k + 4]);
-            out[k + 4] = _mm256_permute2f128_ps::<0x31>(fours[k], fours[k + 4]);
-        }
-    }
-    out
-}
-
 /// Four doubles in one register.
 #[derive(Clone, Copy, Debug)]
 #[repr(transparent)]
@@ -452,70 +316,70 @@ pub struct Ymm(__m256d);
 numbers!(Ymm, f64, 4);
 
 /// All bits or none, lane by lane.
-#[derive(Clone, Copy, Debug)]
-#[repr(transparent)]
-pub struct YmmMask(__m256d);
+macro_rules! words {
+    ($mask:ident, $register:ident, $word:ty, $lanes:literal, $and:ident, $or:ident, $xor:ident, $movemask:ident) => {
+        /// All bits or none, lane by lane.
+        #[derive(Clone, Copy, Debug)]
+        #[repr(transparent)]
+        pub struct $mask($register);
 
-/// Places of numbers, all in the first `span` vectors.
-#[derive(Clone, Copy, Debug)]
-pub struct YmmIndex {
-    numbers: __m128i,
-    span: usize,
-}
+        impl Mask for $mask {
+            const LANES: usize = $lanes;
+            // SAFETY: any bits are numbers.
+            const NONE: Self = Self(unsafe { transmute::<[$word; $lanes], $register>([0; $lanes]) });
+            const ALL: Self = Self(unsafe { transmute::<[$word; $lanes], $register>([<$word>::MAX; $lanes]) });
 
-impl Mask for YmmMask {
-    const LANES: usize = 4;
-    // SAFETY: any bits are doubles.
-    const NONE: Self = Self(unsafe { std::mem::transmute::<[u64; 4], __m256d>([0; 4]) });
-    const ALL: Self = Self(unsafe { std::mem::transmute::<[u64; 4], __m256d>([u64::MAX; 4]) });
-
-    #[inline(always)]
-    fn get(&self, l: usize) -> bool {
-        self.bits() >> l & 1 == 1
-    }
-    #[inline(always)]
-    fn set(&mut self, l: usize, yes: bool) {
-        // SAFETY: a register is four words in memory, in order.
-        let words: &mut [u64; 4] = unsafe { &mut *std::ptr::from_mut(self).cast() };
-        words[l] = if yes { u64::MAX } else { 0 };
-    }
-    #[inline(always)]
-    fn from_bits(bits: u32) -> Self {
-        let mut mask = Self::NONE;
-        for l in 0..4 {
-            mask.set(l, bits >> l & 1 == 1);
+            #[inline(always)]
+            fn get(&self, l: usize) -> bool {
+                self.bits() >> l & 1 == 1
+            }
+            #[inline(always)]
+            fn set(&mut self, l: usize, yes: bool) {
+                // SAFETY: a register is its words in memory, in order.
+                let words: &mut [$word; $lanes] = unsafe { &mut *std::ptr::from_mut(self).cast() };
+                words[l] = if yes { <$word>::MAX } else { 0 };
+            }
+            #[inline(always)]
+            fn from_bits(bits: u32) -> Self {
+                let mut mask = Self::NONE;
+                for l in 0..$lanes {
+                    mask.set(l, bits >> l & 1 == 1);
+                }
+                mask
+            }
+            #[inline(always)]
+            fn and(self, x: Self) -> Self {
+                Self(unsafe { $and(self.0, x.0) })
+            }
+            #[inline(always)]
+            fn or(self, x: Self) -> Self {
+                Self(unsafe { $or(self.0, x.0) })
+            }
+            #[inline(always)]
+            fn xor(self, x: Self) -> Self {
+                Self(unsafe { $xor(self.0, x.0) })
+            }
+            #[inline(always)]
+            fn not(self) -> Self {
+                Self(unsafe { $xor(self.0, Self::ALL.0) })
+            }
+            #[inline(always)]
+            fn choose(self, yes: Self, no: Self) -> Self {
+                self.and(yes).or(self.not().and(no))
+            }
+            #[inline(always)]
+            fn any(self) -> bool {
+                self.bits() != 0
+            }
+            #[inline(always)]
+            fn bits(self) -> u32 {
+                unsafe { $movemask(self.0) as u32 }
+            }
         }
-        mask
-    }
-    #[inline(always)]
-    fn and(self, x: Self) -> Self {
-        Self(unsafe { _mm256_and_pd(self.0, x.0) })
-    }
-    #[inline(always)]
-    fn or(self, x: Self) -> Self {
-        Self(unsafe { _mm256_or_pd(self.0, x.0) })
-    }
-    #[inline(always)]
-    fn xor(self, x: Self) -> Self {
-        Self(unsafe { _mm256_xor_pd(self.0, x.0) })
-    }
-    #[inline(always)]
-    fn not(self) -> Self {
-        Self(unsafe { _mm256_xor_pd(self.0, Self::ALL.0) })
-    }
-    #[inline(always)]
-    fn choose(self, yes: Self, no: Self) -> Self {
-        self.and(yes).or(self.not().and(no))
-    }
-    #[inline(always)]
-    fn any(self) -> bool {
-        self.bits() != 0
-    }
-    #[inline(always)]
-    fn bits(self) -> u32 {
-        unsafe { _mm256_movemask_pd(self.0) as u32 }
-    }
+    };
 }
+
+words!(YmmMask, __m256d, u64, 4, _mm256_and_pd, _mm256_or_pd, _mm256_xor_pd, _mm256_movemask_pd);
 
 /// As [`transpose_zmm`].
 #[inline(always)]
@@ -533,7 +397,7 @@ fn transpose_ymm([a, b, c, d]: [__m256d; 4]) -> [__m256d; 4] {
 }
 
 impl Lane for Ymm {
-    type Index = YmmIndex;
+    type Index = Places<4>;
 
     operations!(
         f64,
@@ -563,11 +427,11 @@ impl Lane for Ymm {
         out
     }
     #[inline(always)]
-    fn load_columns(rows: &[&[f64]], out: &mut [Self]) {
+    fn load_columns(rows: &[&[f64]], first: usize, out: &mut [Self]) {
         for (b, out) in out.chunks_mut(4).enumerate() {
-            let mut v = [Self::splat(0.0).0; 4];
+            let (mut v, first) = ([Self::splat(0.0).0; 4], first + 4 * b);
             for l in 0..4 {
-                v[l] = Self::from_slice(&rows[l][4 * b..4 * b + out.len()]).0;
+                v[l] = Self::from_slice(&rows[l][first..first + out.len()]).0;
             }
             let v = transpose_ymm(v);
             for (k, out) in out.iter_mut().enumerate() {
@@ -592,19 +456,14 @@ impl Lane for Ymm {
         }
     }
     #[inline(always)]
-    fn index(self, limit: usize, stride: usize) -> YmmIndex {
+    fn index(self, limit: usize, stride: usize) -> Places<4> {
         let place = self.max(Self::splat(0.0)).min(Self::splat((limit - 1) as f64));
-        let numbers = unsafe {
-            let lanes = _mm_setr_epi32(0, 1, 2, 3);
-            let vectors = _mm_mullo_epi32(_mm256_cvttpd_epi32(place.0), _mm_set1_epi32(4 * stride as i32));
-            _mm_add_epi32(vectors, lanes)
-        };
-        YmmIndex { numbers, span: (limit - 1) * stride + 1 }
+        // SAFETY: four integers are four integers.
+        Places::new(unsafe { transmute::<__m128i, [u32; 4]>(_mm256_cvttpd_epi32(place.0)) }, limit, stride)
     }
     #[inline(always)]
-    fn pick(v: &[Self], at: YmmIndex) -> Self {
-        assert!(v.len() >= at.span);
-        Self(unsafe { _mm256_i32gather_pd::<8>(v.as_ptr().cast(), at.numbers) })
+    fn pick(v: &[Self], at: Places<4>) -> Self {
+        pick!(v, at, f64, _mm256_setr_pd, 0 1 2 3)
     }
     #[inline(always)]
     fn sum(self) -> f64 {
@@ -640,3 +499,7 @@ impl Lane for Ymm {
         Self(unsafe { _mm256_blendv_pd(x.0, self.0, mask.0) })
     }
 }
+
+// After the macros, which it uses.
+mod single;
+pub use single::{YmmS, ZmmS};

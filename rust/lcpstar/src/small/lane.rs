@@ -30,8 +30,8 @@ pub trait Lane: Copy {
     fn set(&mut self, l: usize, x: Self::Number);
     /// Sets lane `l` to that of `x`.
     fn set_from(&mut self, l: usize, x: &Self);
-    /// Lane l of `out[k]` is `rows[l][k]`, for at most `BLOCK` columns k.
-    fn load_columns(rows: &[&[Self::Number]], out: &mut [Self]);
+    /// Lane l of `out[k]` is `rows[l][first + k]`, for at most `BLOCK` columns k.
+    fn load_columns(rows: &[&[Self::Number]], first: usize, out: &mut [Self]);
     /// `rows[l stride + k]` is lane l of `columns[k]`, for at most `BLOCK` columns k; the rest of `BLOCK` numbers, from
     /// `l stride` on, is overwritten too, lane after lane.
     fn store_columns(columns: &[Self], rows: &mut [Self::Number], stride: usize);
@@ -183,9 +183,9 @@ macro_rules! lanes {
                 self.0[l] = x.0[l];
             }
             #[inline(always)]
-            fn load_columns(rows: &[&[$number]], out: &mut [Self]) {
+            fn load_columns(rows: &[&[$number]], first: usize, out: &mut [Self]) {
                 for (l, row) in rows.iter().enumerate() {
-                    for (out, x) in out.iter_mut().zip(*row) {
+                    for (out, x) in out.iter_mut().zip(&row[first..]) {
                         out.0[l] = *x;
                     }
                 }
@@ -414,11 +414,11 @@ impl<X: Lane> Lane for Pair<X> {
         self.0[l / X::LANES].set_from(l % X::LANES, &x.0[l / X::LANES]);
     }
     #[inline(always)]
-    fn load_columns(rows: &[&[X::Number]], out: &mut [Self]) {
+    fn load_columns(rows: &[&[X::Number]], first: usize, out: &mut [Self]) {
         let mut columns = [X::splat(0.0); BLOCK];
         for h in 0..2 {
             let columns = &mut columns[..out.len()];
-            X::load_columns(&rows[h * X::LANES..(h + 1) * X::LANES], columns);
+            X::load_columns(&rows[h * X::LANES..(h + 1) * X::LANES], first, columns);
             for (out, column) in out.iter_mut().zip(columns) {
                 out.0[h] = *column;
             }
@@ -565,6 +565,6 @@ impl<M: Mask> Mask for Pair<M> {
 }
 
 lanes!(
-    /// Sixteen floats: one AVX-512 register, two of AVX2.
-    F32x16, M32x16, f32, u32, 16
+    /// Eight floats: one register of AVX2.
+    F32x8, M32x8, f32, u32, 8
 );

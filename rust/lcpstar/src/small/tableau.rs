@@ -145,7 +145,7 @@ impl<X: Lane<Number = f64>> Tableau<X> {
             for j in (0..n).step_by(BLOCK) {
                 let mut columns = [zero; BLOCK];
                 let count = BLOCK.min(n - j);
-                X::load_columns(&rows.map(|row| &row[j..]), &mut columns[..count]);
+                X::load_columns(&rows, j, &mut columns[..count]);
                 for (c, column) in columns[..count].iter().enumerate() {
                     self.t[(j + c) * width + block] = column.only(real);
                     nothing = nothing.add_product(*column, zero);
