@@ -108,9 +108,9 @@ def solve_batch(
         Problems of mixed orders in flat arrays: problem i has `n = offsets[i + 1] - offsets[i]`, the entries
         `offsets[i]:offsets[i + 1]` of q (and of z0, and of alpha0 as booleans), and the next n * n entries of A.
     polish : bool
-        For float32 A and q only. True solves in double precision; False solves in single precision and takes that z where
-        it is good enough for `tol` (1e-4, say), which pays from n = 24 or so on. The residuals are those of the given
-        numbers, computed in double precision, in both cases.
+        For float32 A and q only. True solves in double precision; False solves in single precision and takes that z
+        where it is good enough for `tol` (1e-4, say), which pays from n = 24 or so on. The residuals are those of the
+        given numbers, computed in double precision, in both cases.
     out : BatchSolution, optional
         Results of an earlier call for a batch of the same shape, to be overwritten: a loop over frames then takes no
         memory from the system. Their z or alpha may be the guess of this call.

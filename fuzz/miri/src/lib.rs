@@ -69,7 +69,7 @@ mod tests {
             let rows: Vec<Vec<f64>> = (0..8).map(|l| (0..columns).map(|k| (10 * l + k) as f64).collect()).collect();
             let views: Vec<&[f64]> = rows.iter().map(Vec::as_slice).collect();
             let mut out = vec![L::splat(-1.0); columns];
-            L::load_columns(&views, &mut out);
+            L::load_columns(&views, 0, &mut out);
             for (k, column) in out.iter().enumerate() {
                 assert_eq!(numbers(*column), std::array::from_fn(|l| (10 * l + k) as f64));
             }
