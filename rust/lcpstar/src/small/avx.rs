@@ -181,7 +181,7 @@ impl<const L: usize> Places<L> {
     }
 }
 
-/// Number after number, not by the machine's gather: where that is safe from leaking data it takes ten times as long.
+/// Number after number: the machine's gather is slower where it is kept from leaking data.
 macro_rules! pick {
     ($v:ident, $at:ident, $number:ty, $set:ident, $($l:literal)*) => {{
         assert!($v.len() >= $at.span);
