@@ -350,9 +350,10 @@ impl<X: Lane<Number = f64>, S: Lane<Number = f32>> Lanes<X, S> {
                 refine::<X, N>(self.n, &mut self.tile, wanting);
             }
         };
-        if phase == Phase::Guess {
+        let unsolved = lanes.and(verdict.solved.not());
+        if phase == Phase::Guess && unsolved.any() {
             improve_guess::<X, N>(self.n, &mut self.tile);
-            self.keep_guesses(group, lanes.and(verdict.solved.not()));
+            self.keep_guesses(group, unsolved);
         }
         if phase != Phase::Lemke {
             for (alpha, z) in self.tile.alpha.iter_mut().zip(&self.tile.z) {

@@ -322,17 +322,7 @@ impl<X: Lane> Factors<X> {
             let inside = alpha[j];
             // Column j of L, from the diagonal down.
             let row = &upper[j * n..j * n + j];
-            let mut i = j;
-            while i + 4 <= n {
-                entries::<X, 4>(n, i, j, &a[i * n + j..], n, inside, alpha, row, lower, one);
-                i += 4;
-            }
-            match n - i {
-                3 => entries::<X, 3>(n, i, j, &a[i * n + j..], n, inside, alpha, row, lower, one),
-                2 => entries::<X, 2>(n, i, j, &a[i * n + j..], n, inside, alpha, row, lower, one),
-                1 => entries::<X, 1>(n, i, j, &a[i * n + j..], n, inside, alpha, row, lower, one),
-                _ => {}
-            }
+            column(n, j, j, &a[j..], n, inside, alpha, row, lower, one);
             let least = a[j * n + j].abs().mul(floor);
             let pivot = lower[j * n + j];
             regular = regular.and(least.le(pivot).or(inside.not()));
@@ -347,17 +337,7 @@ impl<X: Lane> Factors<X> {
                 }
             } else {
                 let row = &lower[j * n..j * n + j];
-                let mut i = j + 1;
-                while i + 4 <= n {
-                    entries::<X, 4>(n, i, j, &a[j * n + i..], 1, inside, alpha, row, upper, reciprocal);
-                    i += 4;
-                }
-                match n - i {
-                    3 => entries::<X, 3>(n, i, j, &a[j * n + i..], 1, inside, alpha, row, upper, reciprocal),
-                    2 => entries::<X, 2>(n, i, j, &a[j * n + i..], 1, inside, alpha, row, upper, reciprocal),
-                    1 => entries::<X, 1>(n, i, j, &a[j * n + i..], 1, inside, alpha, row, upper, reciprocal),
-                    _ => {}
-                }
+                column(n, j + 1, j, &a[j * n..], 1, inside, alpha, row, upper, reciprocal);
             }
             let mut sum = q[j].neg().only(inside);
             for (l, y) in lower[j * n..j * n + j].iter().zip(&y[..j]) {
@@ -424,7 +404,34 @@ impl<X: Lane> Factors<X> {
     }
 }
 
-/// `(a_r - rows_r row) scale` for R rows from i on goes to column j of them; `a_r` lies at `r stride` in `a`.
+/// [`entries`] for all rows from `first` on, four at a time.
+#[inline(always)]
+fn column<X: Lane>(
+    n: usize,
+    first: usize,
+    j: usize,
+    a: &[X],
+    stride: usize,
+    inside: X::Mask,
+    alpha: &[X::Mask],
+    row: &[X],
+    rows: &mut [X],
+    scale: X,
+) {
+    let mut i = first;
+    while i + 4 <= n {
+        entries::<X, 4>(n, i, j, a, stride, inside, alpha, row, rows, scale);
+        i += 4;
+    }
+    match n - i {
+        3 => entries::<X, 3>(n, i, j, a, stride, inside, alpha, row, rows, scale),
+        2 => entries::<X, 2>(n, i, j, a, stride, inside, alpha, row, rows, scale),
+        1 => entries::<X, 1>(n, i, j, a, stride, inside, alpha, row, rows, scale),
+        _ => {}
+    }
+}
+
+/// `(a_r - rows_r row) scale` for R rows r from i on goes to column j of them; `a_r` lies at `r stride` in `a`.
 #[inline(always)]
 fn entries<X: Lane, const R: usize>(
     n: usize,
@@ -441,7 +448,7 @@ fn entries<X: Lane, const R: usize>(
     let mut sum = [X::splat(0.0); R];
     let mut others = [row; R];
     for r in 0..R {
-        sum[r] = a[r * stride].only(inside.and(alpha[i + r]));
+        sum[r] = a[(i + r) * stride].only(inside.and(alpha[i + r]));
         others[r] = &rows[(i + r) * n..(i + r) * n + j];
     }
     for (k, x) in row.iter().enumerate() {

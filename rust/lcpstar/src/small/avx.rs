@@ -340,14 +340,6 @@ macro_rules! words {
                 words[l] = if yes { <$word>::MAX } else { 0 };
             }
             #[inline(always)]
-            fn from_bits(bits: u32) -> Self {
-                let mut mask = Self::NONE;
-                for l in 0..$lanes {
-                    mask.set(l, bits >> l & 1 == 1);
-                }
-                mask
-            }
-            #[inline(always)]
             fn and(self, x: Self) -> Self {
                 Self(unsafe { $and(self.0, x.0) })
             }
@@ -362,10 +354,6 @@ macro_rules! words {
             #[inline(always)]
             fn not(self) -> Self {
                 Self(unsafe { $xor(self.0, Self::ALL.0) })
-            }
-            #[inline(always)]
-            fn choose(self, yes: Self, no: Self) -> Self {
-                self.and(yes).or(self.not().and(no))
             }
             #[inline(always)]
             fn any(self) -> bool {

@@ -90,7 +90,14 @@ pub trait Mask: Copy {
     /// Sets lane `l`.
     fn set(&mut self, l: usize, yes: bool);
     /// Lane l is bit l.
-    fn from_bits(bits: u32) -> Self;
+    #[inline(always)]
+    fn from_bits(bits: u32) -> Self {
+        let mut mask = Self::NONE;
+        for l in 0..Self::LANES {
+            mask.set(l, bits >> l & 1 == 1);
+        }
+        mask
+    }
     /// Both.
     fn and(self, x: Self) -> Self;
     /// Either.
@@ -100,7 +107,10 @@ pub trait Mask: Copy {
     /// The opposite.
     fn not(self) -> Self;
     /// `yes` where `self`, `no` elsewhere.
-    fn choose(self, yes: Self, no: Self) -> Self;
+    #[inline(always)]
+    fn choose(self, yes: Self, no: Self) -> Self {
+        self.and(yes).or(self.not().and(no))
+    }
     /// Whether any lane says yes.
     fn any(self) -> bool;
     /// Bit l is lane l.
@@ -326,14 +336,6 @@ macro_rules! lanes {
                 self.0[l] = if yes { <$bits>::MAX } else { 0 };
             }
             #[inline(always)]
-            fn from_bits(bits: u32) -> Self {
-                let mut mask = Self::NONE;
-                for l in 0..$lanes {
-                    mask.set(l, bits >> l & 1 == 1);
-                }
-                mask
-            }
-            #[inline(always)]
             fn and(self, x: Self) -> Self {
                 self.each(x, |a, b| a & b)
             }
@@ -348,10 +350,6 @@ macro_rules! lanes {
             #[inline(always)]
             fn not(self) -> Self {
                 self.each(self, |a, _| !a)
-            }
-            #[inline(always)]
-            fn choose(self, yes: Self, no: Self) -> Self {
-                self.and(yes).or(self.not().and(no))
             }
             #[inline(always)]
             fn any(self) -> bool {

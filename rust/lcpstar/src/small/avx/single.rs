@@ -15,6 +15,24 @@ use std::arch::x86_64::{
 };
 use std::mem::transmute;
 
+/// Number after number: no kernel folds floats.
+macro_rules! folds {
+    () => {
+        #[inline(always)]
+        fn sum(self) -> f64 {
+            self.numbers().iter().copied().map(f64::from).sum()
+        }
+        #[inline(always)]
+        fn largest(self) -> f64 {
+            f64::from(self.numbers().iter().copied().fold(f32::NEG_INFINITY, f32::max))
+        }
+        #[inline(always)]
+        fn smallest(self) -> f64 {
+            f64::from(self.numbers().iter().copied().fold(f32::INFINITY, f32::min))
+        }
+    };
+}
+
 /// Sixteen floats in one register.
 #[derive(Clone, Copy, Debug)]
 #[repr(transparent)]
@@ -100,18 +118,7 @@ impl Lane for ZmmS {
     fn pick(v: &[Self], at: Places<16>) -> Self {
         pick!(v, at, f32, _mm512_setr_ps, 0 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15)
     }
-    #[inline(always)]
-    fn sum(self) -> f64 {
-        self.numbers().iter().copied().map(f64::from).sum()
-    }
-    #[inline(always)]
-    fn largest(self) -> f64 {
-        f64::from(self.numbers().iter().copied().fold(f32::NEG_INFINITY, f32::max))
-    }
-    #[inline(always)]
-    fn smallest(self) -> f64 {
-        f64::from(self.numbers().iter().copied().fold(f32::INFINITY, f32::min))
-    }
+    folds!();
     #[inline(always)]
     fn abs(self) -> Self {
         Self(unsafe { _mm512_abs_ps(self.0) })
@@ -221,18 +228,7 @@ impl Lane for YmmS {
     fn pick(v: &[Self], at: Places<8>) -> Self {
         pick!(v, at, f32, _mm256_setr_ps, 0 1 2 3 4 5 6 7)
     }
-    #[inline(always)]
-    fn sum(self) -> f64 {
-        self.numbers().iter().copied().map(f64::from).sum()
-    }
-    #[inline(always)]
-    fn largest(self) -> f64 {
-        f64::from(self.numbers().iter().copied().fold(f32::NEG_INFINITY, f32::max))
-    }
-    #[inline(always)]
-    fn smallest(self) -> f64 {
-        f64::from(self.numbers().iter().copied().fold(f32::INFINITY, f32::min))
-    }
+    folds!();
     #[inline(always)]
     fn abs(self) -> Self {
         Self(unsafe { _mm256_andnot_ps(Self::splat(-0.0).0, self.0) })
