@@ -1,6 +1,7 @@
 //! What goes into a batch and what comes out: borrowed arrays, never copied whole.
 
 use crate::driver::Method;
+use crate::small::ahead::Ahead;
 
 /// Which block of an array belongs to problem k.
 #[derive(Clone, Copy, Debug)]
@@ -35,16 +36,20 @@ pub enum Numbers<'a> {
     Single(&'a [f32]),
 }
 
-impl Numbers<'_> {
-    /// Copies the numbers from `first` on.
+impl<'a> Numbers<'a> {
+    /// The numbers of a block; in `copy` those that are not in double precision.
     #[inline(always)]
-    pub(super) fn copy(self, first: usize, out: &mut [f64]) {
+    fn doubles<'b>(self, block: usize, length: usize, copy: &'b mut Vec<f64>) -> &'b [f64]
+    where
+        'a: 'b,
+    {
+        let range = block * length..(block + 1) * length;
         match self {
-            Self::Double(x) => out.copy_from_slice(&x[first..first + out.len()]),
+            Self::Double(x) => &x[range],
             Self::Single(x) => {
-                for (out, x) in out.iter_mut().zip(&x[first..]) {
-                    *out = f64::from(*x);
-                }
+                copy.clear();
+                copy.extend(x[range].iter().map(|x| f64::from(*x)));
+                copy
             }
         }
     }
@@ -67,12 +72,26 @@ pub struct Problems<'a> {
     pub q_source: Source<'a>,
 }
 
-impl Problems<'_> {
-    /// Copies problem `k`.
+impl<'a> Problems<'a> {
+    /// A and q of problem `k`; in the copies what is not in double precision.
     #[inline(always)]
-    pub(super) fn copy(&self, k: usize, a: &mut [f64], q: &mut [f64]) {
-        self.a.copy(self.a_source.block(k) * self.n * self.n, a);
-        self.q.copy(self.q_source.block(k) * self.n, q);
+    pub(super) fn doubles<'b>(&self, k: usize, a: &'b mut Vec<f64>, q: &'b mut Vec<f64>) -> (&'b [f64], &'b [f64])
+    where
+        'a: 'b,
+    {
+        let n = self.n;
+        (self.a.doubles(self.a_source.block(k), n * n, a), self.q.doubles(self.q_source.block(k), n, q))
+    }
+
+    /// Plans to ask for the matrix of problem `k`, all of it within `steps` steps.
+    #[inline(always)]
+    pub(super) fn plan(&self, ahead: &mut Ahead, k: usize, steps: usize) {
+        let (block, length) = (self.a_source.block(k), self.n * self.n);
+        let range = block * length..(block + 1) * length;
+        match self.a {
+            Numbers::Double(a) => ahead.plan(&a[range], steps),
+            Numbers::Single(a) => ahead.plan(&a[range], steps),
+        }
     }
 }
 
@@ -219,4 +238,11 @@ pub struct Settings<'a> {
     pub polish: bool,
     /// Says whether the caller wants to stop; asked between chunks.
     pub interrupted: Option<&'a (dyn Fn() -> bool + Sync)>,
+}
+
+impl Settings<'_> {
+    /// Whether the kernels for small problems are asked before the general solver.
+    pub(super) fn by_kernels(&self) -> bool {
+        matches!(self.method, Method::Auto)
+    }
 }

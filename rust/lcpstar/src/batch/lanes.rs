@@ -14,12 +14,12 @@ use crate::status::Status;
 /// Most lanes of any kind.
 pub(super) const MOST_LANES: usize = 16;
 
-/// Largest order for which Lemke's method runs in lanes: above, the tableaux no longer fit the nearest cache.
-const LEMKE_ORDER: usize = 24;
+/// Largest order for which Lemke's method runs in lanes: above, one problem at a time is faster.
+const LEMKE_ORDER: usize = 12;
 
-/// Largest order for which Newton's method, without a guess, is tried. Above, it would win up to a third of the time where A is
-/// regular and cost half of it again where A is singular.
-const NEWTON_ORDER: usize = 24;
+/// Largest order for which Newton's method, without a guess, is tried. Above, Lemke's method, one problem at a time, costs a third
+/// more where A is regular and a third less where A is singular.
+const NEWTON_ORDER: usize = 20;
 
 /// Iterations of Newton's method after which a problem goes on to Lemke's method.
 const ITERATIONS: usize = 6;
@@ -204,8 +204,8 @@ impl<X: Lane<Number = f64>, S: Lane<Number = f32>> Lanes<X, S> {
         waiting.retain(|&k| {
             let block = problems.a_source.block(task.first + k) * n * n;
             let fit = match problems.a {
-                Numbers::Double(a) => a[block..block + n * n].iter().step_by(n + 1).all(|&x| x > 0.0),
-                Numbers::Single(a) => a[block..block + n * n].iter().step_by(n + 1).all(|&x| x > 0.0),
+                Numbers::Double(a) => a[block..block + n * n].iter().step_by(n + 1).rev().all(|&x| x > 0.0),
+                Numbers::Single(a) => a[block..block + n * n].iter().step_by(n + 1).rev().all(|&x| x > 0.0),
             };
             if !fit {
                 self.left.push(k);
@@ -463,10 +463,7 @@ impl<X: Lane<Number = f64>, S: Lane<Number = f32>> Lanes<X, S> {
             if block == self.loaded[0] {
                 return;
             }
-            match problems.a {
-                Numbers::Double(a) => ahead.plan(&a[block * n * n..(block + 1) * n * n], steps),
-                Numbers::Single(a) => ahead.plan(&a[block * n * n..(block + 1) * n * n], steps),
-            }
+            problems.plan(ahead, task.first + k, steps);
         }
     }
 

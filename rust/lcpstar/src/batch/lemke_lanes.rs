@@ -11,7 +11,8 @@
 use super::newton::{Tile, multiply};
 use crate::small::covering::spread;
 use crate::small::lane::{Lane, Mask};
-use crate::small::lemke::{CANCELLED, PIVOT_TOLERANCE, ROUNDING, TIE};
+use crate::small::lemke::{CANCELLED, ROUNDING};
+use crate::small::ratio::{PIVOT_TOLERANCE, TIE};
 use crate::small::tableau::NOISE;
 
 /// Memory for [`Pivots::solve`].

@@ -4,7 +4,7 @@
 //! A problem's bits depend on its own numbers only: not on its neighbours, the order, the split of the batch or the
 //! number of threads.
 
-mod ahead;
+mod alone;
 mod io;
 mod lanes;
 mod lemke_lanes;

@@ -1,22 +1,15 @@
 //! One worker: takes chunks of problems until none is left.
 
-use super::io::{Guess, Output, Problems, Settings};
+use super::alone::Alone;
+use super::io::{Output, Problems, Settings};
 use super::lanes::Lanes;
-use crate::certify::certify;
-use crate::control::Control;
-use crate::driver::{self, doubt};
-use crate::error::{LcpError, Result};
-use crate::problem::Lcp;
-use crate::scaling::Equilibrated;
-use crate::small::TINY_ORDER;
+use crate::driver;
+use crate::error::Result;
 #[cfg(target_arch = "x86_64")]
 use crate::small::avx::{Ymm2, YmmS, Zmm, ZmmS};
-use crate::small::dispatch;
 #[cfg(target_arch = "x86_64")]
 use crate::small::lane::Pair;
 use crate::small::lane::{F32x8, F64x8, Lane};
-use crate::solution::{Candidate, Solution};
-use crate::status::{Status, Termination};
 use multiversion::multiversion;
 use multiversion::target::target_cfg_f;
 
@@ -25,9 +18,6 @@ const PAIR_ORDER: usize = 16;
 
 /// Largest order for which a guessed support is tried in lanes.
 pub(super) const GUESS_ORDER: usize = 32;
-
-/// Largest order for which Lemke's method is tried before the general solver.
-const SMALL_ORDER: usize = 192;
 
 const COUNT: usize = driver::Method::NAMES.len() + driver::MEMBERS.len();
 
@@ -42,7 +32,7 @@ pub const METHODS: [&str; COUNT] = {
 pub(super) const NEWTON: u8 = code("newton");
 pub(super) const LEMKE: u8 = code("lemke");
 pub(super) const ENUMERATE: u8 = code("enumerate");
-const AUTO: u8 = code("auto");
+pub(super) const AUTO: u8 = code("auto");
 
 /// The place of a name in [`METHODS`]; one that is not there stops the compiler.
 const fn code(name: &str) -> u8 {
@@ -62,7 +52,7 @@ const fn is_same(a: &[u8], b: &[u8]) -> bool {
 }
 
 /// The place of a name of the general solver in [`METHODS`].
-fn method_code(name: &str) -> u8 {
+pub(super) fn method_code(name: &str) -> u8 {
     METHODS.iter().position(|&known| known == name).map_or(AUTO, |i| i as u8)
 }
 
@@ -123,17 +113,18 @@ pub(super) fn run<'a, X: Lane<Number = f64>, S: Lane<Number = f32>, const N: usi
     next: &(dyn Fn() -> Option<Chunk<'a>> + Sync),
 ) -> Result<()> {
     let n = problems.n;
-    let auto = matches!(settings.method, driver::Method::Auto);
-    let mut worker = Worker::new(n);
-    let mut lanes = Lanes::<X, S>::new(if auto && n <= GUESS_ORDER { n } else { 0 }, problems);
+    let in_lanes = settings.by_kernels() && n > 0 && n <= GUESS_ORDER;
+    let mut lanes = Lanes::<X, S>::new(if in_lanes { n } else { 0 }, problems);
+    let mut alone = Alone::new(problems, settings);
+    let mut waiting = Vec::new();
     while let Some(mut chunk) = next() {
-        worker.waiting.clear();
-        worker.waiting.extend(0..chunk.output.status.len());
+        waiting.clear();
+        waiting.extend(0..chunk.output.status.len());
         let task = Task { problems, settings, first: chunk.first };
-        if auto && n > 0 && n <= GUESS_ORDER {
-            lanes.solve::<N>(&task, &mut worker.waiting, &mut chunk.output);
+        if in_lanes {
+            lanes.solve::<N>(&task, &mut waiting, &mut chunk.output);
         }
-        worker.one_by_one(&task, &mut chunk.output)?;
+        alone.solve(&task, &mut waiting, &mut chunk.output)?;
     }
     Ok(())
 }
@@ -144,123 +135,6 @@ pub(super) struct Task<'a> {
     pub settings: &'a Settings<'a>,
     /// Place of the chunk in the batch.
     pub first: usize,
-}
-
-/// Memory of one thread for problems that take turns.
-struct Worker {
-    n: usize,
-    a: Vec<f64>,
-    q: Vec<f64>,
-    /// The basis on which the kernel ended.
-    basic: Vec<bool>,
-    /// Problems of the chunk that are not solved yet.
-    waiting: Vec<usize>,
-}
-
-impl Worker {
-    fn new(n: usize) -> Self {
-        Self { n, a: vec![0.0; n * n], q: vec![0.0; n], basic: vec![false; n], waiting: Vec::new() }
-    }
-
-    /// Lemke's method for each problem that waits; the general solver for what that leaves.
-    fn one_by_one(&mut self, task: &Task<'_>, output: &mut Output<'_>) -> Result<()> {
-        let (n, settings) = (self.n, task.settings);
-        let mut general = driver::Settings {
-            method: settings.method.clone(),
-            tol: settings.tol,
-            z0: None,
-            ..driver::Settings::default()
-        };
-        let by_lemke = matches!(settings.method, driver::Method::Auto) && n <= SMALL_ORDER && n > 0;
-        let control = Control { interrupted: settings.interrupted, ..Control::default() };
-        for &k in &self.waiting {
-            let place = task.first + k;
-            task.problems.copy(place, &mut self.a, &mut self.q);
-            // Up to `GUESS_ORDER` the lanes have tried the guess.
-            let guessed = !matches!(settings.guess, Guess::None) && (n > GUESS_ORDER || !by_lemke);
-            let mut lcp = None;
-            if guessed {
-                let z0 = (0..n).map(|i| f64::from(u8::from(settings.guess.contains(n, place, i, false)))).collect();
-                general.z0 = Some(z0);
-                let given = self.problem(place)?;
-                let solution = if by_lemke { driver::solve_from_guess(&given, &general) } else { None };
-                if let Some(solution) = solution {
-                    write(output, n, k, &solution);
-                    continue;
-                }
-                lcp = Some(given);
-            }
-            // Above it, the general solver's path from the guess is the cheaper one.
-            let by_kernel = by_lemke && (!guessed || n <= TINY_ORDER);
-            let range = k * n..(k + 1) * n;
-            let mut found_basis = None;
-            if by_kernel {
-                let (z, w) = (&mut output.z[range.clone()], &mut output.w[range.clone()]);
-                let solve = dispatch::Task::Solve { z, basic: &mut self.basic };
-                let outcome = dispatch::run(solve, &self.a, &self.q, w, settings.tol);
-                if let Some(judged) = outcome.judged {
-                    output.status[k] = Status::Solved as u8;
-                    output.method[k] = LEMKE;
-                    output.iterations[k] = outcome.pivots as u32;
-                    output.residual[k] = judged.residual;
-                    output.natural_residual[k] = judged.natural_residual;
-                    output.alpha.write(n, k, |i| self.basic[i]);
-                    continue;
-                }
-                found_basis = outcome.found_basis.then_some(outcome.pivots);
-            }
-            let lcp = lcp.map_or_else(|| self.problem(place), Ok)?;
-            let unverified =
-                found_basis.and_then(|pivots| self.unverified_point(&output.z[range], pivots, &lcp, settings.tol));
-            let solution = match unverified {
-                Some(solution) => solution,
-                None => driver::solve(&lcp, &general, &control).map_err(|error| in_batch(error, place))?,
-            };
-            write(output, n, k, &solution);
-        }
-        Ok(())
-    }
-}
-
-impl Worker {
-    /// The problem that was copied last, from that place of the batch.
-    fn problem(&self, place: usize) -> Result<Lcp> {
-        Lcp::new(self.n, self.a.clone(), self.q.clone()).map_err(|error| in_batch(error, place))
-    }
-
-    /// A basis that Lemke's method found and could not verify row by row, judged on the equilibrated problem; the general
-    /// solver is asked where there is doubt.
-    fn unverified_point(&self, z: &[f64], pivots: usize, lcp: &Lcp, tol: f64) -> Option<Solution> {
-        let problem = Equilibrated::new(lcp);
-        let alpha = (0..self.n).filter(|&j| self.basic[j]).collect();
-        let point = Candidate::point(problem.scaling.z_from_caller(z), Termination::ComplementaryBasis, pivots);
-        let solution = certify(&problem, Candidate { alpha: Some(alpha), ..point }, METHODS[usize::from(LEMKE)], tol);
-        (solution.status == Status::Solved && !doubt::misses_q(lcp, &solution)).then_some(solution)
-    }
-}
-
-/// The general solver's answer to problem k of a chunk.
-fn write(output: &mut Output<'_>, n: usize, k: usize, solution: &Solution) {
-    let range = k * n..(k + 1) * n;
-    output.z[range.clone()].copy_from_slice(&solution.z);
-    output.w[range].copy_from_slice(&solution.w);
-    output.status[k] = solution.status as u8;
-    output.method[k] = method_code(solution.method);
-    output.iterations[k] = u32::try_from(solution.iterations).unwrap_or(u32::MAX);
-    output.residual[k] = solution.residual;
-    output.natural_residual[k] = solution.natural_residual;
-    output.alpha.write(n, k, |i| solution.alpha.contains(&i));
-}
-
-/// The error with the position in the batch before the position in the array.
-fn in_batch(error: LcpError, k: usize) -> LcpError {
-    match error {
-        LcpError::NotFinite { name, mut index, value } => {
-            index.insert(0, k);
-            LcpError::NotFinite { name, index, value }
-        }
-        other => other,
-    }
 }
 
 #[cfg(test)]

@@ -7,16 +7,17 @@
 
 use super::lane::{BLOCK, Lane, Mask, Pair};
 use std::arch::x86_64::{
-    __m128i, __m256d, __m256i, __m512d, _CMP_EQ_OQ, _CMP_LE_OQ, _CMP_LT_OQ, _mm_add_pd, _mm_cvtsd_f64, _mm_max_pd,
-    _mm_min_pd, _mm_unpackhi_pd, _mm256_add_pd, _mm256_and_pd, _mm256_andnot_pd, _mm256_blendv_pd,
-    _mm256_castpd256_pd128, _mm256_cmp_pd, _mm256_cvttpd_epi32, _mm256_div_pd, _mm256_extractf128_pd, _mm256_fmadd_pd,
-    _mm256_fnmadd_pd, _mm256_loadu_pd, _mm256_max_pd, _mm256_min_pd, _mm256_movemask_pd, _mm256_mul_pd, _mm256_or_pd,
-    _mm256_permute2f128_pd, _mm256_set1_pd, _mm256_setr_pd, _mm256_storeu_pd, _mm256_sub_pd, _mm256_unpackhi_pd,
-    _mm256_unpacklo_pd, _mm256_xor_pd, _mm512_abs_pd, _mm512_add_pd, _mm512_castpd512_pd256, _mm512_cmp_pd_mask,
-    _mm512_cvttpd_epi32, _mm512_div_pd, _mm512_extractf64x4_pd, _mm512_fmadd_pd, _mm512_fnmadd_pd, _mm512_loadu_pd,
-    _mm512_mask_blend_pd, _mm512_maskz_loadu_pd, _mm512_maskz_mov_pd, _mm512_max_pd, _mm512_min_pd, _mm512_mul_pd,
-    _mm512_set1_pd, _mm512_setr_pd, _mm512_shuffle_f64x2, _mm512_storeu_pd, _mm512_sub_pd, _mm512_unpackhi_pd,
-    _mm512_unpacklo_pd,
+    __m128i, __m256d, __m256i, __m512d, _CMP_EQ_OQ, _CMP_LE_OQ, _CMP_LT_OQ, _mm_add_pd, _mm_cvtsd_f64, _mm_loadu_pd,
+    _mm_max_pd, _mm_min_pd, _mm_unpackhi_pd, _mm256_add_pd, _mm256_and_pd, _mm256_andnot_pd, _mm256_blendv_pd,
+    _mm256_castpd128_pd256, _mm256_castpd256_pd128, _mm256_cmp_pd, _mm256_cvttpd_epi32, _mm256_div_pd,
+    _mm256_extractf128_pd, _mm256_fmadd_pd, _mm256_fnmadd_pd, _mm256_insertf128_pd, _mm256_loadu_pd, _mm256_max_pd,
+    _mm256_min_pd, _mm256_movemask_pd, _mm256_mul_pd, _mm256_or_pd, _mm256_permute2f128_pd, _mm256_set1_pd,
+    _mm256_setr_pd, _mm256_storeu_pd, _mm256_sub_pd, _mm256_unpackhi_pd, _mm256_unpacklo_pd, _mm256_xor_pd,
+    _mm512_abs_pd, _mm512_add_pd, _mm512_castpd256_pd512, _mm512_castpd512_pd256, _mm512_cmp_pd_mask,
+    _mm512_cvttpd_epi32, _mm512_div_pd, _mm512_extractf64x4_pd, _mm512_fmadd_pd, _mm512_fnmadd_pd, _mm512_insertf64x4,
+    _mm512_loadu_pd, _mm512_mask_blend_pd, _mm512_maskz_loadu_pd, _mm512_maskz_mov_pd, _mm512_max_pd, _mm512_min_pd,
+    _mm512_mul_pd, _mm512_set1_pd, _mm512_setr_pd, _mm512_shuffle_f64x2, _mm512_storeu_pd, _mm512_sub_pd,
+    _mm512_unpackhi_pd, _mm512_unpacklo_pd,
 };
 use std::mem::transmute;
 
@@ -251,6 +252,30 @@ impl Lane for Zmm {
     }
     #[inline(always)]
     fn load_columns(rows: &[&[f64]], first: usize, out: &mut [Self]) {
+        if out.len() == 8 {
+            // Two rows meet in a register on their way from memory, which leaves half the shuffles.
+            let mut v = [Self::splat(0.0).0; 8];
+            for (k, v) in v.iter_mut().enumerate() {
+                let (l, half) = (4 * (k / 2 % 2) + k % 2, first + 4 * (k / 4));
+                let (upper, lower) = (&rows[l][half..half + 4], &rows[l + 2][half..half + 4]);
+                *v = unsafe {
+                    let upper = _mm512_castpd256_pd512(_mm256_loadu_pd(upper.as_ptr()));
+                    _mm512_insertf64x4::<1>(upper, _mm256_loadu_pd(lower.as_ptr()))
+                };
+            }
+            for (k, pairs) in v.as_chunks::<4>().0.iter().enumerate() {
+                let [a, b, c, d] = *pairs;
+                unsafe {
+                    let (ab, cd) = (_mm512_unpacklo_pd(a, b), _mm512_unpacklo_pd(c, d));
+                    out[4 * k].0 = _mm512_shuffle_f64x2::<0x88>(ab, cd);
+                    out[4 * k + 2].0 = _mm512_shuffle_f64x2::<0xdd>(ab, cd);
+                    let (ab, cd) = (_mm512_unpackhi_pd(a, b), _mm512_unpackhi_pd(c, d));
+                    out[4 * k + 1].0 = _mm512_shuffle_f64x2::<0x88>(ab, cd);
+                    out[4 * k + 3].0 = _mm512_shuffle_f64x2::<0xdd>(ab, cd);
+                }
+            }
+            return;
+        }
         let mut v = [Self::splat(0.0).0; 8];
         for l in 0..8 {
             v[l] = Self::from_slice(&rows[l][first..first + out.len()]).0;
@@ -340,6 +365,12 @@ macro_rules! words {
                 words[l] = if yes { <$word>::MAX } else { 0 };
             }
             #[inline(always)]
+            fn from_bits(bits: u32) -> Self {
+                let words: [$word; $lanes] = std::array::from_fn(|l| <$word>::from(bits >> l & 1).wrapping_neg());
+                // SAFETY: as `NONE`.
+                Self(unsafe { transmute::<[$word; $lanes], $register>(words) })
+            }
+            #[inline(always)]
             fn and(self, x: Self) -> Self {
                 Self(unsafe { $and(self.0, x.0) })
             }
@@ -417,7 +448,26 @@ impl Lane for Ymm {
     #[inline(always)]
     fn load_columns(rows: &[&[f64]], first: usize, out: &mut [Self]) {
         for (b, out) in out.chunks_mut(4).enumerate() {
-            let (mut v, first) = ([Self::splat(0.0).0; 4], first + 4 * b);
+            let first = first + 4 * b;
+            if let [out0, out1, out2, out3] = out {
+                // Two rows meet in a register on their way from memory, which leaves half the shuffles.
+                let mut v = [Self::splat(0.0).0; 4];
+                for (k, v) in v.iter_mut().enumerate() {
+                    let (l, half) = (k % 2, first + 2 * (k / 2));
+                    let (upper, lower) = (&rows[l][half..half + 2], &rows[l + 2][half..half + 2]);
+                    *v = unsafe {
+                        let upper = _mm256_castpd128_pd256(_mm_loadu_pd(upper.as_ptr()));
+                        _mm256_insertf128_pd::<1>(upper, _mm_loadu_pd(lower.as_ptr()))
+                    };
+                }
+                let [a, b, c, d] = v;
+                unsafe {
+                    (out0.0, out1.0) = (_mm256_unpacklo_pd(a, b), _mm256_unpackhi_pd(a, b));
+                    (out2.0, out3.0) = (_mm256_unpacklo_pd(c, d), _mm256_unpackhi_pd(c, d));
+                }
+                continue;
+            }
+            let mut v = [Self::splat(0.0).0; 4];
             for l in 0..4 {
                 v[l] = Self::from_slice(&rows[l][first..first + out.len()]).0;
             }

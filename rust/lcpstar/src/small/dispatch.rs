@@ -1,21 +1,25 @@
 //! The kernel compiled for each instruction set, and the memory of each thread for it.
 
+use super::ahead::Ahead;
 #[cfg(target_arch = "x86_64")]
 use super::avx::{Ymm2, Zmm};
 use super::lane::{F64x8, Lane};
 use super::lemke::{Lemke, Outcome};
 use multiversion::multiversion;
 use multiversion::target::target_cfg_f;
-use std::cell::RefCell;
+use std::cell::Cell;
 use std::thread::LocalKey;
 
 /// What to do with a problem.
 pub enum Task<'a> {
-    /// Lemke's method; its point and whether each z_j is basic are written, n of each.
-    Solve { z: &'a mut [f64], basic: &'a mut [bool] },
+    /// Lemke's method; its point and whether each z_j is basic are written, n of each. Asks for memory `ahead` beside each pivot.
+    Solve { z: &'a mut [f64], basic: &'a mut [bool], ahead: &'a mut Ahead },
     /// The verdict on a point `z >= 0`.
     Verify { z: &'a [f64] },
 }
+
+/// Where the memory of a thread rests.
+type Home<X> = Cell<Option<Box<Lemke<X>>>>;
 
 /// Does the task for the row-major `a` and writes `w = A z + q`. After the first call on a thread for the largest order, nothing
 /// is allocated.
@@ -24,15 +28,15 @@ pub fn run(task: Task<'_>, a: &[f64], q: &[f64], w: &mut [f64], tol: f64) -> Out
     #[cfg(target_arch = "x86_64")]
     {
         if target_cfg_f!(target_feature = "avx512f") {
-            thread_local!(static LEMKE: RefCell<Lemke<Zmm>> = RefCell::default());
+            thread_local!(static LEMKE: Home<Zmm> = Home::default());
             return run_in(&LEMKE, task, a, q, w, tol);
         }
         if target_cfg_f!(target_feature = "avx2") {
-            thread_local!(static LEMKE: RefCell<Lemke<Ymm2>> = RefCell::default());
+            thread_local!(static LEMKE: Home<Ymm2> = Home::default());
             return run_in(&LEMKE, task, a, q, w, tol);
         }
     }
-    thread_local!(static LEMKE: RefCell<Lemke<F64x8<{ cfg!(target_arch = "aarch64") }>>> = RefCell::default());
+    thread_local!(static LEMKE: Home<F64x8<{ cfg!(target_arch = "aarch64") }>> = Home::default());
     run_in(&LEMKE, task, a, q, w, tol)
 }
 
@@ -40,20 +44,22 @@ pub fn run(task: Task<'_>, a: &[f64], q: &[f64], w: &mut [f64], tol: f64) -> Out
 /// [`run`].
 #[inline(always)]
 fn run_in<X: Lane<Number = f64>>(
-    home: &'static LocalKey<RefCell<Lemke<X>>>,
+    home: &'static LocalKey<Home<X>>,
     task: Task<'_>,
     a: &[f64],
     q: &[f64],
     w: &mut [f64],
     tol: f64,
 ) -> Outcome {
-    let mut lemke = home.take();
+    let mut lemke = home.take().unwrap_or_default();
     let outcome = match task {
-        Task::Solve { z, basic } => {
-            let outcome = lemke.solve_and_verify(a, q, w, tol);
+        Task::Solve { z, basic, ahead } => {
+            let outcome = lemke.solve_and_verify(a, q, w, tol, ahead);
             if outcome.found_basis {
-                for (j, (z, basic)) in z.iter_mut().zip(basic).enumerate() {
-                    (*z, *basic) = (lemke.z(j), lemke.is_basic(j));
+                z.fill(0.0);
+                basic.fill(false);
+                for j in lemke.basis() {
+                    (z[j], basic[j]) = (lemke.z(j), true);
                 }
             }
             outcome
@@ -63,6 +69,6 @@ fn run_in<X: Lane<Number = f64>>(
             Outcome { judged, found_basis: false, pivots: 0 }
         }
     };
-    home.set(lemke);
+    home.set(Some(lemke));
     outcome
 }

@@ -4,9 +4,11 @@
 //! With a covering vector that hardly ever leads through degenerate bases, see [`covering`](super::covering); among tied rows
 //! that of z_0 wins, then the largest pivot.
 
+use super::ahead::Ahead;
 use super::covering::Covering;
-use super::lane::{Lane, Mask};
-use super::tableau::{Tableau, WIDTH, at, put};
+use super::lane::Lane;
+use super::ratio::{first_to_reach_zero, last_to_become_nonnegative};
+use super::tableau::{Exchange, Tableau, WIDTH, at, put};
 use super::verify::{Judged, is_small_when_equilibrated, verify_one};
 
 /// What came of a run.
@@ -38,12 +40,6 @@ pub(crate) const PIVOTS_PER_ROW: usize = 10;
 
 /// Order beyond which the limit on pivots no longer grows: the portfolio does better than to wait.
 const PATIENT_UP_TO: usize = 64;
-
-/// Smallest pivot relative to the largest entry of the driving column.
-pub(crate) const PIVOT_TOLERANCE: f64 = 1e-10;
-
-/// Ratios within this factor of the least one are tied.
-pub(crate) const TIE: f64 = 1.0 + 1e-11;
 
 /// A sum smaller than this part of its terms' magnitudes is rounding error.
 pub(crate) const ROUNDING: f64 = 64.0 * f64::EPSILON;
@@ -78,14 +74,14 @@ impl<X> Default for Lemke<X> {
 }
 
 impl<X: Lane<Number = f64>> Lemke<X> {
-    /// Runs the method and refines the answer until it is verified; `w = A z + q` as computed.
+    /// Runs the method and refines the answer until it is verified; `w = A z + q` as computed. Asks for memory `ahead` beside each pivot.
     #[inline(always)]
-    pub fn solve_and_verify(&mut self, a: &[f64], q: &[f64], w: &mut [f64], tol: f64) -> Outcome {
+    pub fn solve_and_verify(&mut self, a: &[f64], q: &[f64], w: &mut [f64], tol: f64, ahead: &mut Ahead) -> Outcome {
         self.resize(q.len());
         self.pivots = 0;
         let mut stop = Stop::Ray;
         for covering in [Covering::Spread, Covering::Ones] {
-            stop = self.solve(a, q, covering);
+            stop = self.solve(a, q, covering, ahead);
             if stop == Stop::Basis {
                 break;
             }
@@ -141,32 +137,35 @@ impl<X: Lane<Number = f64>> Lemke<X> {
 
     /// Runs the method. O(n^2) a pivot.
     #[inline(always)]
-    fn solve(&mut self, a: &[f64], q: &[f64], covering: Covering) -> Stop {
-        let n = self.n;
-        let (z0, limit) = (2 * n, self.pivots + PIVOTS_PER_ROW * n.min(PATIENT_UP_TO));
+    fn solve(&mut self, a: &[f64], q: &[f64], covering: Covering, ahead: &mut Ahead) -> Stop {
         if !self.tableau.load(a, q, covering) {
             return Stop::Limit;
         }
-        let Some(mut row) = last_to_become_nonnegative(q, covering) else {
+        let (covering, values) = (self.tableau.covering(), self.tableau.values());
+        let Some(row) = last_to_become_nonnegative(covering, values, &mut self.ratio) else {
             return Stop::Basis;
         };
-        self.tableau.drive(z0);
-        loop {
-            let leaving = self.tableau.exchange(row);
-            self.pivots += 1;
-            if leaving == z0 {
-                return Stop::Basis;
-            }
-            if self.pivots >= limit {
-                return Stop::Limit;
-            }
-            self.tableau.drive(if leaving < n { leaving + n } else { leaving - n });
-            let (column, values) = (self.tableau.driving_column(), self.tableau.values());
-            match first_to_reach_zero(column, values, &mut self.ratio, self.tableau.row_of(z0)) {
-                Some(blocking) => row = blocking,
-                None => return Stop::Ray,
-            }
+        self.tableau.drive(2 * self.n);
+        match self.n.div_ceil(WIDTH) {
+            1 => self.pivot_narrow::<1>(row, ahead),
+            2 => self.pivot_narrow::<2>(row, ahead),
+            3 => self.pivot_narrow::<3>(row, ahead),
+            4 => self.pivot_narrow::<4>(row, ahead),
+            5 => self.pivot_narrow::<5>(row, ahead),
+            6 => self.pivot_narrow::<6>(row, ahead),
+            7 => self.pivot_narrow::<7>(row, ahead),
+            8 => self.pivot_narrow::<8>(row, ahead),
+            _ => pivot(&mut self.tableau, self.n, row, &mut self.ratio, &mut self.pivots, ahead),
         }
+    }
+
+    /// With columns of `W` vectors.
+    #[inline(always)]
+    fn pivot_narrow<const W: usize>(&mut self, row: usize, ahead: &mut Ahead) -> Stop {
+        let mut narrow = self.tableau.narrow::<W>();
+        let stop = pivot(&mut narrow, self.n, row, &mut self.ratio, &mut self.pivots, ahead);
+        narrow.finish();
+        stop
     }
 
     /// Puts the basic z's in place, negative rounding set to zero, and judges them; `w = A z + q` as computed.
@@ -206,71 +205,40 @@ impl<X: Lane<Number = f64>> Lemke<X> {
         at(&self.z, j)
     }
 
-    /// Whether z_j is basic.
+    /// The j with z_j basic.
     #[inline(always)]
-    pub fn is_basic(&self, j: usize) -> bool {
-        self.tableau.row_of(self.n + j).is_some()
+    pub fn basis(&self) -> impl Iterator<Item = usize> {
+        self.tableau.basic_z().map(|(_, j)| j)
     }
 }
 
-/// The row of `q + z_0 d` that is the last to become nonnegative as z_0 grows, from 0. `None` if `q >= 0`.
+/// z_0 drives, blocked by `row`; then the complement of what left, until that is z_0. O(n^2) a pivot.
 #[inline(always)]
-fn last_to_become_nonnegative(q: &[f64], covering: Covering) -> Option<usize> {
-    let (mut last, mut largest) = (None, 0.0);
-    for (i, &q) in q.iter().enumerate() {
-        let needed = -q / covering.entry(i);
-        if needed > largest {
-            (last, largest) = (Some(i), needed);
-        }
-    }
-    last
-}
-
-/// The place of the first number of `value` to reach zero as the driving variable grows, which changes them by `column`:
-/// `favoured`, where z_0 is, if that is among them, else that of the largest pivot.
-#[inline(always)]
-fn first_to_reach_zero<X: Lane<Number = f64>>(
-    column: &[X],
-    value: &[X],
+fn pivot<X: Lane<Number = f64>>(
+    tableau: &mut impl Exchange<X>,
+    n: usize,
+    mut row: usize,
     ratio: &mut [X],
-    favoured: Option<usize>,
-) -> Option<usize> {
-    let (zero, infinity) = (X::splat(0.0), X::splat(f64::INFINITY));
-    let largest = column.iter().fold(zero, |m, c| m.max(c.abs())).largest();
-    let tolerance = X::splat(-PIVOT_TOLERANCE * largest);
-    let mut least = infinity;
-    for ((ratio, r), c) in ratio.iter_mut().zip(value).zip(column) {
-        *ratio = r.max(zero).div(c.neg()).or_else(c.lt(tolerance), infinity);
-        least = ratio.min(least);
-    }
-    let least = least.smallest();
-    if least == f64::INFINITY {
-        return None;
-    }
-    // Nearly always one row: found without a branch that depends on which.
-    let bound = X::splat(least * TIE);
-    let (mut place, mut count) = (0, 0);
-    for (block, ratio) in ratio.iter().enumerate() {
-        let tied = ratio.le(bound).bits();
-        count += tied.count_ones();
-        place = if tied == 0 { place } else { block * WIDTH + tied.trailing_zeros() as usize };
-    }
-    if count == 1 {
-        return Some(place);
-    }
-    if let Some(row) = favoured
-        && at(ratio, row) <= least * TIE
-    {
-        return Some(row);
-    }
-    let mut pivot = 0.0;
-    for i in 0..WIDTH * ratio.len() {
-        let size = at(column, i).abs();
-        if at(ratio, i) <= least * TIE && size > pivot {
-            (place, pivot) = (i, size);
+    pivots: &mut usize,
+    ahead: &mut Ahead,
+) -> Stop {
+    let (z0, limit) = (2 * n, *pivots + PIVOTS_PER_ROW * n.min(PATIENT_UP_TO));
+    loop {
+        let leaving = tableau.exchange(row);
+        ahead.step();
+        *pivots += 1;
+        if leaving == z0 {
+            return Stop::Basis;
+        }
+        if *pivots >= limit {
+            return Stop::Limit;
+        }
+        tableau.drive(if leaving < n { leaving + n } else { leaving - n });
+        match first_to_reach_zero(tableau.driving_column(), tableau.values(), ratio, tableau.row_of(z0)) {
+            Some(blocking) => row = blocking,
+            None => return Stop::Ray,
         }
     }
-    Some(place)
 }
 
 #[cfg(test)]

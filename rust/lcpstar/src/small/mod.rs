@@ -3,15 +3,18 @@
 //!
 //! A time limit is not looked at: the limit on pivots ends a run of order 128 within a few milliseconds.
 
+pub(crate) mod ahead;
 #[cfg(target_arch = "x86_64")]
 pub(crate) mod avx;
 pub(crate) mod covering;
 pub(crate) mod dispatch;
 pub(crate) mod lane;
 pub(crate) mod lemke;
+pub(crate) mod ratio;
 pub(crate) mod tableau;
 pub(crate) mod verify;
 
+use ahead::Ahead;
 use dispatch::{Task, run};
 use verify::Judged;
 
@@ -58,7 +61,7 @@ pub fn solve(a: &[f64], q: &[f64], tol: f64, z: &mut [f64], w: &mut [f64]) -> An
     }
     let mut basic = [false; TINY_ORDER];
     let basic = &mut basic[..q.len()];
-    let outcome = run(Task::Solve { z, basic }, a, q, w, tol);
+    let outcome = run(Task::Solve { z, basic, ahead: &mut Ahead::default() }, a, q, w, tol);
     if !outcome.found_basis {
         return Answer::None;
     }

@@ -4,16 +4,15 @@
 //! variable of each kind. Rows that depend on others keep doing so, because all of them see the same row operations; what is
 //! computed from an inverse of the basic block shows its errors there as small pivots.
 
+mod narrow;
+
 use super::covering::Covering;
 use super::lane::{BLOCK, Lane, Mask};
 
 /// Numbers per column are padded to a multiple of this.
 pub(super) const WIDTH: usize = 8;
 
-/// Vectors per column up to which the whole tableau stays in the nearest cache, so that every pivot may pass over it.
-const NARROW: usize = 8;
-
-/// Pivots that wider columns wait for, to be brought near once for all of them.
+/// Pivots that columns wait for, to be brought near once for all of them.
 const DELAY: usize = 8;
 
 /// Columns that all late pivots reach before the next ones.
@@ -45,11 +44,27 @@ pub struct Tableau<X> {
     place: Vec<usize>,
 }
 
+/// A tableau that is exchanged.
+pub trait Exchange<X> {
+    /// The variable that drives from now on, one that is not basic.
+    fn drive(&mut self, variable: usize);
+    /// The driving variable becomes basic in row r; the one that leaves. O(n^2).
+    fn exchange(&mut self, r: usize) -> usize;
+    /// How the basic variables change as the driving one grows, by row.
+    fn driving_column(&self) -> &[X];
+    /// The basic variables, by row.
+    fn values(&self) -> &[X];
+    /// The row of a variable, if it is basic.
+    fn row_of(&self, variable: usize) -> Option<usize>;
+}
+
 /// What a pivot in row r with driving column c does to the others: with `p = -t_r / c_r`, column t becomes `t + p c`, and p in
 /// row r.
 #[derive(Clone, Copy)]
 struct Pivot {
     r: usize,
+    /// The column of the variable that left.
+    own: usize,
     /// `-1 / c_r`.
     factor: f64,
 }
@@ -57,16 +72,31 @@ struct Pivot {
 impl Pivot {
     #[inline(always)]
     fn apply<X: Lane<Number = f64>>(self, c: &[X], t: &mut [X]) {
-        let entry = at(t, self.r);
-        if entry == 0.0 {
-            return;
-        }
-        let p = entry * self.factor;
+        let p = at(t, self.r) * self.factor;
         let factor = X::splat(p);
         for (t, c) in t.iter_mut().zip(c) {
             *t = t.add_product(*c, factor);
         }
         put(t, self.r, p);
+    }
+
+    /// The same for the basic variables; what cancels is rounding error, and zero.
+    #[inline(always)]
+    fn apply_to_values<X: Lane<Number = f64>>(self, c: &[X], value: &mut [X]) {
+        let (p, noise) = (X::splat(at(value, self.r) * self.factor), X::splat(NOISE));
+        for (b, (v, c)) in value.iter_mut().zip(c).enumerate() {
+            let sum = v.add_product(*c, p);
+            *v = p.or_else(is_number::<X>(self.r, b), sum.only(v.abs().mul(noise).lt(sum.abs())));
+        }
+    }
+
+    /// The column of the variable that left, which was a unit vector.
+    #[inline(always)]
+    fn apply_to_own<X: Lane<Number = f64>>(self, c: &[X], t: &mut [X]) {
+        let p = X::splat(-self.factor);
+        for (b, (t, c)) in t.iter_mut().zip(c).enumerate() {
+            *t = p.or_else(is_number::<X>(self.r, b), c.mul(p));
+        }
     }
 }
 
@@ -132,7 +162,10 @@ impl<X: Lane<Number = f64>> Tableau<X> {
     #[inline(always)]
     fn load_columns(&mut self, a: &[f64]) -> bool {
         let (n, width, zero) = (self.n, self.width, X::splat(0.0));
-        let mut nothing = zero;
+        // Blocks of known length first: for them the compiler knows every instruction.
+        let (whole, mut columns) = (n - n % BLOCK, [zero; BLOCK]);
+        // Products with zero: not zero where a number is not finite.
+        let mut nothing = [zero; BLOCK];
         for block in 0..width {
             let first = block * WIDTH;
             let mut rows: [&[f64]; WIDTH] = [&[]; WIDTH];
@@ -143,113 +176,33 @@ impl<X: Lane<Number = f64>> Tableau<X> {
             }
             let real = X::Mask::from_bits(u32::MAX >> (32 - WIDTH.min(n - first)));
             for j in (0..n).step_by(BLOCK) {
-                let mut columns = [zero; BLOCK];
-                let count = BLOCK.min(n - j);
-                X::load_columns(&rows, j, &mut columns[..count]);
+                let count = if j < whole {
+                    X::load_columns(&rows, j, &mut columns);
+                    BLOCK
+                } else {
+                    X::load_columns(&rows, j, &mut columns[..n - whole]);
+                    n - whole
+                };
                 for (c, column) in columns[..count].iter().enumerate() {
                     self.t[(j + c) * width + block] = column.only(real);
-                    nothing = nothing.add_product(*column, zero);
+                    nothing[c] = nothing[c].add_product(*column, zero);
                 }
             }
         }
+        let nothing = nothing.iter().fold(zero, |sum, nothing| sum.add(*nothing));
         !nothing.eq(zero).not().any()
     }
 
-    /// The basic variables, by row.
+    /// The column of z_0 before the first pivot.
     #[inline(always)]
-    pub fn values(&self) -> &[X] {
-        &self.value
+    pub fn covering(&self) -> &[X] {
+        &self.t[self.n * self.width..]
     }
 
     /// The row i and the index j of each basic `z_j`; z_0 must not be basic.
     #[inline(always)]
     pub fn basic_z(&self) -> impl Iterator<Item = (usize, usize)> {
         self.basic.iter().enumerate().filter(|(_, v)| **v >= self.n).map(|(i, v)| (i, v - self.n))
-    }
-
-    /// The row of a variable, if it is basic.
-    #[inline(always)]
-    pub fn row_of(&self, variable: usize) -> Option<usize> {
-        let row = self.place[variable];
-        (self.basic.get(row) == Some(&variable)).then_some(row)
-    }
-
-    /// The variable that drives from now on, one that is not basic.
-    #[inline(always)]
-    pub fn drive(&mut self, variable: usize) {
-        self.driver = variable;
-        let (width, own) = (self.width, self.place[variable]);
-        let (driven, free) = self.driving.split_at_mut(self.late.len() * width);
-        let column = &mut free[..width];
-        column.copy_from_slice(&self.t[own * width..(own + 1) * width]);
-        let seen = self.seen[own];
-        for (pivot, c) in self.late[seen..].iter().zip(driven[seen * width..].chunks_exact(width)) {
-            pivot.apply(c, column);
-        }
-    }
-
-    /// Its column.
-    #[inline(always)]
-    pub fn driving_column(&self) -> &[X] {
-        let first = self.late.len() * self.width;
-        &self.driving[first..first + self.width]
-    }
-
-    /// The driving variable becomes basic in row r; the one that leaves. O(n^2).
-    #[inline(always)]
-    pub fn exchange(&mut self, r: usize) -> usize {
-        let (width, own, first) = (self.width, self.place[self.driver], self.late.len() * self.width);
-        let reciprocal = 1.0 / at(self.driving_column(), r);
-        let pivot = Pivot { r, factor: -reciprocal };
-        if width <= NARROW {
-            // Its own column, too, which is overwritten below.
-            self.sweep(pivot);
-        } else {
-            self.late.push(pivot);
-            self.seen[own] = self.late.len();
-        }
-        let c = &self.driving[first..first + width];
-        let (t, scale) = (&mut self.t[own * width..(own + 1) * width], X::splat(reciprocal));
-        for (t, c) in t.iter_mut().zip(c) {
-            *t = c.mul(scale);
-        }
-        put(t, r, reciprocal);
-        let value = -at(&self.value, r) * reciprocal;
-        grow(&mut self.value, c, value);
-        put(&mut self.value, r, value);
-        if self.late.len() == DELAY {
-            self.catch_up();
-        }
-        let leaving = self.basic[r];
-        self.basic[r] = self.driver;
-        self.place[self.driver] = r;
-        self.place[leaving] = own;
-        leaving
-    }
-
-    /// A pivot's change of all columns at once, where they are narrow.
-    #[inline(always)]
-    fn sweep(&mut self, pivot: Pivot) {
-        match self.width {
-            1 => self.sweep_width::<1>(pivot),
-            2 => self.sweep_width::<2>(pivot),
-            3 => self.sweep_width::<3>(pivot),
-            4 => self.sweep_width::<4>(pivot),
-            5 => self.sweep_width::<5>(pivot),
-            6 => self.sweep_width::<6>(pivot),
-            7 => self.sweep_width::<7>(pivot),
-            _ => self.sweep_width::<NARROW>(pivot),
-        }
-    }
-
-    /// The same for W vectors per column: those of the driving one stay in registers.
-    #[inline(always)]
-    fn sweep_width<const W: usize>(&mut self, pivot: Pivot) {
-        let mut c = [X::splat(0.0); W];
-        c.copy_from_slice(&self.driving[..W]);
-        for t in self.t.as_chunks_mut::<W>().0 {
-            pivot.apply(&c, t);
-        }
     }
 
     /// Late pivots reach every column, in groups that stay near: a vector that was just written to in part is slow to read.
@@ -288,6 +241,63 @@ impl<X: Lane<Number = f64>> Tableau<X> {
     }
 }
 
+impl<X: Lane<Number = f64>> Exchange<X> for Tableau<X> {
+    #[inline(always)]
+    fn drive(&mut self, variable: usize) {
+        self.driver = variable;
+        let (width, own) = (self.width, self.place[variable]);
+        let (driven, free) = self.driving.split_at_mut(self.late.len() * width);
+        let column = &mut free[..width];
+        column.copy_from_slice(&self.t[own * width..(own + 1) * width]);
+        let seen = self.seen[own];
+        for (pivot, c) in self.late[seen..].iter().zip(driven[seen * width..].chunks_exact(width)) {
+            pivot.apply(c, column);
+        }
+    }
+
+    #[inline(always)]
+    fn exchange(&mut self, r: usize) -> usize {
+        let (width, own, first) = (self.width, self.place[self.driver], self.late.len() * self.width);
+        let c = &self.driving[first..first + width];
+        let pivot = Pivot { r, own, factor: -1.0 / at(c, r) };
+        pivot.apply_to_values(c, &mut self.value);
+        pivot.apply_to_own(c, &mut self.t[own * width..(own + 1) * width]);
+        self.late.push(pivot);
+        self.seen[own] = self.late.len();
+        if self.late.len() == DELAY {
+            self.catch_up();
+        }
+        let leaving = self.basic[r];
+        self.basic[r] = self.driver;
+        self.place[self.driver] = r;
+        self.place[leaving] = own;
+        leaving
+    }
+
+    #[inline(always)]
+    fn driving_column(&self) -> &[X] {
+        let first = self.late.len() * self.width;
+        &self.driving[first..first + self.width]
+    }
+
+    #[inline(always)]
+    fn values(&self) -> &[X] {
+        &self.value
+    }
+
+    #[inline(always)]
+    fn row_of(&self, variable: usize) -> Option<usize> {
+        basic_row(&self.basic, &self.place, variable)
+    }
+}
+
+/// The row of a variable, if it is basic.
+#[inline(always)]
+fn basic_row(basic: &[usize], place: &[usize], variable: usize) -> Option<usize> {
+    let row = place[variable];
+    (basic.get(row) == Some(&variable)).then_some(row)
+}
+
 /// Number `i` of a padded vector.
 #[inline(always)]
 pub(super) fn at<X: Lane<Number = f64>>(v: &[X], i: usize) -> f64 {
@@ -299,20 +309,18 @@ pub(super) fn put<X: Lane<Number = f64>>(v: &mut [X], i: usize, x: f64) {
     v[i / WIDTH].set(i % WIDTH, x);
 }
 
-/// `v += factor direction`; what cancels is rounding error, and zero.
+/// Which number of vector `block` is number `i` of a padded vector.
 #[inline(always)]
-fn grow<X: Lane<Number = f64>>(v: &mut [X], direction: &[X], factor: f64) {
-    let (factor, noise) = (X::splat(factor), X::splat(NOISE));
-    for (r, c) in v.iter_mut().zip(direction) {
-        let sum = r.add_product(*c, factor);
-        *r = sum.only(r.abs().mul(noise).lt(sum.abs()));
-    }
+fn is_number<X: Lane<Number = f64>>(i: usize, block: usize) -> X::Mask {
+    const COUNT: [f64; WIDTH] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
+    X::from_slice(&COUNT).eq(X::splat(i as f64 - (WIDTH * block) as f64))
 }
 
 #[cfg(test)]
 mod tests {
     use super::super::lane::F64x8;
     use super::*;
+    use std::ops::Range;
 
     /// Reproducible, between -1/2 and 1/2.
     fn noise(k: usize) -> f64 {
@@ -347,7 +355,33 @@ mod tests {
         }
     }
 
+    /// Pivots on both, compared: the k-th for each k of `range`.
+    fn follow<X: Lane<Number = f64>>(tableau: &mut impl Exchange<X>, plain: &mut Plain, range: Range<usize>) {
+        let n = plain.basic.len();
+        for k in range {
+            let variable = plain.nonbasic[(7 * k + 3) % (n + 1)];
+            tableau.drive(variable);
+            let s = plain.nonbasic.iter().position(|&v| v == variable).expect("not basic");
+            let size = |i: usize| plain.rows[i][s].abs();
+            for i in 0..n {
+                let difference = at(tableau.driving_column(), i) - plain.rows[i][s];
+                assert!(difference.abs() <= 1e-9 * (1.0 + size(i)), "n = {n}, pivot {k}, row {i}: {difference}");
+            }
+            let r = (0..n).max_by(|&i, &j| size(i).total_cmp(&size(j))).expect("a row");
+            assert_eq!(tableau.exchange(r), plain.exchange(r, variable));
+            for (i, &variable) in plain.basic.iter().enumerate() {
+                assert_eq!(tableau.row_of(variable), Some(i));
+            }
+            assert!(plain.nonbasic.iter().all(|&variable| tableau.row_of(variable).is_none()));
+            for i in 0..n {
+                let difference = at(tableau.values(), i) - plain.values[i];
+                assert!(difference.abs() <= 1e-9 * (1.0 + plain.values[i].abs()), "n = {n}, pivot {k}, row {i}");
+            }
+        }
+    }
+
     /// Any sequence of pivots, in columns of one register, of several, and of so many that pivots wait; zeros among the entries.
+    /// Where the compiler is told how wide columns are, the tableau goes on where its narrow view ends.
     #[test]
     fn pivots_are_those_of_plain_rows() {
         let mut tableau = Tableau::<F64x8<false>>::default();
@@ -363,24 +397,24 @@ mod tests {
                 nonbasic: (n..=2 * n).collect(),
             };
             assert!(tableau.load(&a, &q, Covering::Spread));
-            for k in 0..n.min(25) {
-                let variable = plain.nonbasic[(7 * k + 3) % (n + 1)];
-                tableau.drive(variable);
-                let s = plain.nonbasic.iter().position(|&v| v == variable).expect("not basic");
-                let size = |i: usize| plain.rows[i][s].abs();
-                for i in 0..n {
-                    let difference = at(tableau.driving_column(), i) - plain.rows[i][s];
-                    assert!(difference.abs() <= 1e-9 * (1.0 + size(i)), "n = {n}, pivot {k}, row {i}: {difference}");
-                }
-                let r = (0..n).max_by(|&i, &j| size(i).total_cmp(&size(j))).expect("a row");
-                assert_eq!(tableau.exchange(r), plain.exchange(r, variable));
-                assert_eq!(tableau.basic, plain.basic);
-                assert_eq!(tableau.row_of(variable), Some(r));
-                for i in 0..n {
-                    let difference = at(tableau.values(), i) - plain.values[i];
-                    assert!(difference.abs() <= 1e-9 * (1.0 + plain.values[i].abs()), "n = {n}, pivot {k}, row {i}");
-                }
+            tableau.drive(2 * n);
+            let (half, all) = (n.min(14), n.min(25));
+            macro_rules! narrow {
+                ($width:literal) => {{
+                    let mut narrow = tableau.narrow::<$width>();
+                    follow(&mut narrow, &mut plain, 0..half);
+                    narrow.finish();
+                }};
             }
+            match tableau.width {
+                1 => narrow!(1),
+                2 => narrow!(2),
+                4 => narrow!(4),
+                5 => narrow!(5),
+                8 => narrow!(8),
+                _ => follow(&mut tableau, &mut plain, 0..half),
+            }
+            follow(&mut tableau, &mut plain, half..all);
         }
     }
 

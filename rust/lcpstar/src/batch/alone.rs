@@ -1,0 +1,175 @@
+//! What the lanes leave, one problem at a time: from the caller's guess, by Lemke's method in memory that is used again, by the
+//! general solver.
+
+use super::io::{Guess, Output, Problems, Settings};
+use super::work::{GUESS_ORDER, LEMKE, METHODS, Task, method_code};
+use crate::certify::certify;
+use crate::control::Control;
+use crate::driver::{self, doubt};
+use crate::error::{LcpError, Result};
+use crate::problem::Lcp;
+use crate::scaling::Equilibrated;
+use crate::small::TINY_ORDER;
+use crate::small::ahead::Ahead;
+use crate::small::dispatch;
+use crate::solution::{Candidate, Solution};
+use crate::status::{Status, Termination};
+
+/// Largest order for which Lemke's method is tried before the general solver.
+const SMALL_ORDER: usize = 192;
+
+/// Memory of one thread.
+pub(super) struct Alone<'a> {
+    n: usize,
+    /// A problem in double precision, where the caller's is not.
+    a: Vec<f64>,
+    q: Vec<f64>,
+    /// Whether z_j is in the basis on which Lemke's method ended.
+    basic: Vec<bool>,
+    general: driver::Settings,
+    control: Control<'a>,
+    ahead: Ahead,
+    /// Problems that a method leaves.
+    left: Vec<usize>,
+}
+
+impl<'a> Alone<'a> {
+    pub fn new(problems: &Problems<'_>, settings: &Settings<'a>) -> Self {
+        let general = driver::Settings {
+            method: settings.method.clone(),
+            tol: settings.tol,
+            z0: None,
+            ..driver::Settings::default()
+        };
+        let control = Control { interrupted: settings.interrupted, ..Control::default() };
+        Self {
+            n: problems.n,
+            a: Vec::new(),
+            q: Vec::new(),
+            basic: vec![false; problems.n],
+            general,
+            control,
+            ahead: Ahead::default(),
+            left: Vec::new(),
+        }
+    }
+
+    /// Solves the problems in `waiting`.
+    pub fn solve(&mut self, task: &Task<'_>, waiting: &mut Vec<usize>, output: &mut Output<'_>) -> Result<()> {
+        let (n, settings) = (self.n, task.settings);
+        // Up to `GUESS_ORDER` the lanes have tried the guess.
+        let by_kernels = settings.by_kernels() && n > 0 && n <= SMALL_ORDER;
+        let guessed = !matches!(settings.guess, Guess::None) && (n > GUESS_ORDER || !by_kernels);
+        if guessed && by_kernels {
+            self.by_guess(task, waiting, output)?;
+        }
+        // Above it, the general solver's path from the guess is the cheaper one.
+        if by_kernels && (!guessed || n <= TINY_ORDER) {
+            self.by_lemke(task, waiting, output);
+        }
+        for &k in &*waiting {
+            let place = task.first + k;
+            self.general.z0 = if guessed { Some(point(n, settings.guess, place)) } else { None };
+            let lcp = problem(task.problems, place)?;
+            let solution = driver::solve(&lcp, &self.general, &self.control).map_err(|error| in_batch(error, place))?;
+            write(output, n, k, &solution);
+        }
+        Ok(())
+    }
+
+    /// The supports that the caller guesses, for each problem that waits.
+    fn by_guess(&mut self, task: &Task<'_>, waiting: &mut Vec<usize>, output: &mut Output<'_>) -> Result<()> {
+        for k in waiting.drain(..) {
+            let place = task.first + k;
+            self.general.z0 = Some(point(self.n, task.settings.guess, place));
+            match driver::solve_from_guess(&problem(task.problems, place)?, &self.general) {
+                Some(solution) => write(output, self.n, k, &solution),
+                None => self.left.push(k),
+            }
+        }
+        waiting.append(&mut self.left);
+        Ok(())
+    }
+
+    /// Lemke's method for each problem that waits.
+    fn by_lemke(&mut self, task: &Task<'_>, waiting: &mut Vec<usize>, output: &mut Output<'_>) {
+        let (n, problems, tol) = (self.n, task.problems, task.settings.tol);
+        for (i, &k) in waiting.iter().enumerate() {
+            let (place, range) = (task.first + k, k * n..(k + 1) * n);
+            self.ahead.clear();
+            if let Some(next) = waiting.get(i + 1) {
+                problems.plan(&mut self.ahead, task.first + next, n.div_ceil(2));
+            }
+            let (a, q) = problems.doubles(place, &mut self.a, &mut self.q);
+            let (z, w) = (&mut output.z[range.clone()], &mut output.w[range.clone()]);
+            let solve = dispatch::Task::Solve { z, basic: &mut self.basic, ahead: &mut self.ahead };
+            let outcome = dispatch::run(solve, a, q, w, tol);
+            self.ahead.rest();
+            if let Some(judged) = outcome.judged {
+                output.status[k] = Status::Solved as u8;
+                output.method[k] = LEMKE;
+                output.iterations[k] = outcome.pivots as u32;
+                output.residual[k] = judged.residual;
+                output.natural_residual[k] = judged.natural_residual;
+                output.alpha.write(n, k, |i| self.basic[i]);
+                continue;
+            }
+            let basis = outcome.found_basis.then_some(&self.basic);
+            match basis.and_then(|basic| unverified(a, q, &output.z[range], basic, outcome.pivots, tol)) {
+                Some(solution) => write(output, n, k, &solution),
+                None => self.left.push(k),
+            }
+        }
+        waiting.clear();
+        waiting.append(&mut self.left);
+    }
+}
+
+/// A basis that Lemke's method found and could not verify row by row, judged on the equilibrated problem; none where there is
+/// doubt.
+#[cold]
+fn unverified(a: &[f64], q: &[f64], z: &[f64], basic: &[bool], pivots: usize, tol: f64) -> Option<Solution> {
+    let n = q.len();
+    let lcp = Lcp::new(n, a.to_vec(), q.to_vec()).ok()?;
+    let problem = Equilibrated::new(&lcp);
+    let alpha = (0..n).filter(|&j| basic[j]).collect();
+    let point = Candidate::point(problem.scaling.z_from_caller(z), Termination::ComplementaryBasis, pivots);
+    let solution = certify(&problem, Candidate { alpha: Some(alpha), ..point }, METHODS[usize::from(LEMKE)], tol);
+    (solution.status == Status::Solved && !doubt::misses_q(&lcp, &solution)).then_some(solution)
+}
+
+/// A problem of the batch for the general solver.
+fn problem(problems: &Problems<'_>, place: usize) -> Result<Lcp> {
+    let (mut a, mut q) = (Vec::new(), Vec::new());
+    let (a, q) = problems.doubles(place, &mut a, &mut q);
+    Lcp::new(problems.n, a.to_vec(), q.to_vec()).map_err(|error| in_batch(error, place))
+}
+
+/// A point with the support that is guessed.
+fn point(n: usize, guess: Guess<'_>, place: usize) -> Vec<f64> {
+    (0..n).map(|i| f64::from(u8::from(guess.contains(n, place, i, false)))).collect()
+}
+
+/// The general solver's answer to problem k of a chunk.
+fn write(output: &mut Output<'_>, n: usize, k: usize, solution: &Solution) {
+    let range = k * n..(k + 1) * n;
+    output.z[range.clone()].copy_from_slice(&solution.z);
+    output.w[range].copy_from_slice(&solution.w);
+    output.status[k] = solution.status as u8;
+    output.method[k] = method_code(solution.method);
+    output.iterations[k] = u32::try_from(solution.iterations).unwrap_or(u32::MAX);
+    output.residual[k] = solution.residual;
+    output.natural_residual[k] = solution.natural_residual;
+    output.alpha.write(n, k, |i| solution.alpha.contains(&i));
+}
+
+/// The error with the position in the batch before the position in the array.
+fn in_batch(error: LcpError, k: usize) -> LcpError {
+    match error {
+        LcpError::NotFinite { name, mut index, value } => {
+            index.insert(0, k);
+            LcpError::NotFinite { name, index, value }
+        }
+        other => other,
+    }
+}
