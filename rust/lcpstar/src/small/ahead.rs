@@ -50,14 +50,15 @@ impl Ahead {
     }
 
     #[inline(always)]
-    fn ask(&mut self, lines: usize) {
+    fn ask(&mut self, mut lines: usize) {
         let (mut block, mut line) = self.next;
-        for _ in 0..lines {
-            if block == self.blocks {
-                break;
+        while lines > 0 && block < self.blocks {
+            let count = lines.min(self.lines - line);
+            let first = self.starts[block] + line * LINE;
+            for k in 0..count {
+                prefetch(first + k * LINE);
             }
-            prefetch(self.starts[block] + line * LINE);
-            line += 1;
+            (line, lines) = (line + count, lines - count);
             if line == self.lines {
                 (block, line) = (block + 1, 0);
             }
