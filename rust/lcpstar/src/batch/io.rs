@@ -83,6 +83,18 @@ impl<'a> Problems<'a> {
         (self.a.doubles(self.a_source.block(k), n * n, a), self.q.doubles(self.q_source.block(k), n, q))
     }
 
+    /// Whether all `a_ii > 0` in problem `k`.
+    #[inline(always)]
+    pub(super) fn has_positive_diagonal(&self, k: usize) -> bool {
+        let (block, length) = (self.a_source.block(k), self.n * self.n);
+        let range = block * length..(block + 1) * length;
+        // Backwards: contact problems have their zeros at the end.
+        match self.a {
+            Numbers::Double(a) => a[range].iter().step_by(self.n + 1).rev().all(|&x| x > 0.0),
+            Numbers::Single(a) => a[range].iter().step_by(self.n + 1).rev().all(|&x| x > 0.0),
+        }
+    }
+
     /// Plans to ask for the matrix of problem `k`, all of it within `steps` steps.
     #[inline(always)]
     pub(super) fn plan(&self, ahead: &mut Ahead, k: usize, steps: usize) {

@@ -165,7 +165,7 @@ impl<X: Lane<Number = f64>, S: Lane<Number = f32>> Lanes<X, S> {
         output: &mut Output<'_>,
     ) {
         self.again.clear();
-        if phase.is_newton() && self.seen_unfit {
+        if phase.is_newton() {
             self.set_aside_unfit(task, waiting);
         }
         let mut groups = waiting.chunks(X::LANES).peekable();
@@ -200,18 +200,18 @@ impl<X: Lane<Number = f64>, S: Lane<Number = f32>> Lanes<X, S> {
     /// Newton's method wants a positive diagonal: where there are others, they are not even loaded for it.
     #[inline(always)]
     fn set_aside_unfit(&mut self, task: &Task<'_>, waiting: &mut Vec<usize>) {
-        let (n, problems) = (self.n, task.problems);
-        waiting.retain(|&k| {
-            let block = problems.a_source.block(task.first + k) * n * n;
-            let fit = match problems.a {
-                Numbers::Double(a) => a[block..block + n * n].iter().step_by(n + 1).rev().all(|&x| x > 0.0),
-                Numbers::Single(a) => a[block..block + n * n].iter().step_by(n + 1).rev().all(|&x| x > 0.0),
-            };
-            if !fit {
-                self.left.push(k);
-            }
-            fit
-        });
+        let problems = task.problems;
+        self.seen_unfit |= waiting.first().is_some_and(|k| !problems.has_positive_diagonal(task.first + k));
+        if self.seen_unfit {
+            let left = &mut self.left;
+            waiting.retain(|&k| {
+                let fit = problems.has_positive_diagonal(task.first + k);
+                if !fit {
+                    left.push(k);
+                }
+                fit
+            });
+        }
     }
 
     /// The lanes whose turn it is.
