@@ -103,3 +103,60 @@ fn first_at_least<X: Lane>(v: &[X], bound: f64) -> Option<usize> {
     }
     None
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::lane::F64x8;
+    use super::super::tableau::put;
+    use super::*;
+
+    type X = F64x8<false>;
+
+    fn padded(v: &[f64]) -> Vec<X> {
+        let mut out = vec![X::splat(0.0); v.len().div_ceil(WIDTH)];
+        v.iter().enumerate().for_each(|(i, &x)| put(&mut out, i, x));
+        out
+    }
+
+    /// The rule as it is said.
+    fn plain(column: &[f64], value: &[f64], favoured: Option<usize>) -> Option<usize> {
+        let tolerance = PIVOT_TOLERANCE * column.iter().fold(0.0_f64, |m, c| m.max(c.abs()));
+        let ratio = |i: usize| value[i].max(0.0) / -column[i];
+        let rows: Vec<usize> = (0..column.len()).filter(|&i| -column[i] > tolerance).collect();
+        let least = rows.iter().map(|&i| ratio(i)).min_by(f64::total_cmp)?;
+        let tied = rows.iter().copied().filter(|&i| ratio(i) <= least * TIE);
+        let largest = tied.clone().map(|i| -column[i]).max_by(f64::total_cmp)?;
+        favoured.filter(|row| tied.clone().any(|i| i == *row)).or_else(|| tied.clone().find(|&i| -column[i] == largest))
+    }
+
+    /// Few different numbers, so that rows are tied; pivots that are too small, alone in front or among others; nothing that blocks.
+    #[test]
+    fn rows_are_those_of_the_rule() {
+        const COLUMN: [f64; 8] = [-1.0, -0.5, -2.0, 0.0, 0.75, -1e-11, -3e-13, 1.5];
+        const VALUE: [f64; 8] = [0.0, 1.0, 2.0, 0.5, -1e-17, 1e-12, 3.0, 1.5];
+        let mut random = 1_u64;
+        let mut pick = |count: usize| {
+            random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (random >> 33) as usize % count
+        };
+        let mut found = [0; 2];
+        for k in 0..20_000 {
+            let n = 1 + k % 20;
+            // From three numbers to all eight.
+            let kinds = 3 + pick(6);
+            let column: Vec<f64> = (0..n).map(|_| COLUMN[(pick(kinds) + k) % 8]).collect();
+            let value: Vec<f64> = (0..n).map(|_| VALUE[pick(8)]).collect();
+            let favoured = [None, Some(pick(n))][pick(2)];
+            let mut ratio = padded(&value);
+            let row = first_to_reach_zero(&padded(&column), &padded(&value), &mut ratio, favoured);
+            assert_eq!(row, plain(&column, &value, favoured), "{column:?}, {value:?}, {favoured:?}");
+            found[usize::from(row.is_some())] += 1;
+            let covering: Vec<f64> = (0..n).map(|i| 1.0 + i as f64 / 32.0).collect();
+            let needed: Vec<f64> = (0..n).map(|i| (0.5 - value[i]) / covering[i]).collect();
+            let last = (0..n).rev().max_by(|&i, &j| needed[i].total_cmp(&needed[j])).filter(|&i| needed[i] > 0.0);
+            let shifted: Vec<f64> = value.iter().map(|v| v - 0.5).collect();
+            assert_eq!(last_to_become_nonnegative(&padded(&covering), &padded(&shifted), &mut ratio), last);
+        }
+        assert!(found.iter().all(|&count| count > 200), "{found:?}");
+    }
+}

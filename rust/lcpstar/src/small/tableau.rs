@@ -333,6 +333,8 @@ mod tests {
         values: Vec<f64>,
         basic: Vec<usize>,
         nonbasic: Vec<usize>,
+        /// The variable that left last.
+        left: usize,
     }
 
     impl Plain {
@@ -351,15 +353,16 @@ mod tests {
             }
             (self.rows[r], self.values[r]) = (row, value);
             std::mem::swap(&mut self.basic[r], &mut self.nonbasic[s]);
-            self.nonbasic[s]
+            self.left = self.nonbasic[s];
+            self.left
         }
     }
 
-    /// Pivots on both, compared: the k-th for each k of `range`.
+    /// Pivots on both, compared: the k-th for each k of `range`. Every fifth variable that drives has left just before.
     fn follow<X: Lane<Number = f64>>(tableau: &mut impl Exchange<X>, plain: &mut Plain, range: Range<usize>) {
         let n = plain.basic.len();
         for k in range {
-            let variable = plain.nonbasic[(7 * k + 3) % (n + 1)];
+            let variable = if k % 5 == 4 { plain.left } else { plain.nonbasic[(7 * k + 3) % (n + 1)] };
             tableau.drive(variable);
             let s = plain.nonbasic.iter().position(|&v| v == variable).expect("not basic");
             let size = |i: usize| plain.rows[i][s].abs();
@@ -395,10 +398,13 @@ mod tests {
                 values: q.clone(),
                 basic: (0..n).collect(),
                 nonbasic: (n..=2 * n).collect(),
+                left: 0,
             };
             assert!(tableau.load(&a, &q, Covering::Spread));
             tableau.drive(2 * n);
-            let (half, all) = (n.min(14), n.min(25));
+            // Columns drive more than once; the view ends where the variable that left last drives next.
+            let half = (n + 10) / 5 * 5 + 4;
+            let all = half + 25;
             macro_rules! narrow {
                 ($width:literal) => {{
                     let mut narrow = tableau.narrow::<$width>();
