@@ -37,18 +37,27 @@ pub enum Numbers<'a> {
 }
 
 impl<'a> Numbers<'a> {
-    /// The numbers of a block; in `copy` those that are not in double precision.
+    /// One block of `length` numbers.
     #[inline(always)]
-    fn doubles<'b>(self, block: usize, length: usize, copy: &'b mut Vec<f64>) -> &'b [f64]
+    fn block(self, block: usize, length: usize) -> Self {
+        let range = block * length..(block + 1) * length;
+        match self {
+            Self::Double(x) => Self::Double(&x[range]),
+            Self::Single(x) => Self::Single(&x[range]),
+        }
+    }
+
+    /// The numbers; in `copy` if they are not in double precision.
+    #[inline(always)]
+    fn doubles<'b>(self, copy: &'b mut Vec<f64>) -> &'b [f64]
     where
         'a: 'b,
     {
-        let range = block * length..(block + 1) * length;
         match self {
-            Self::Double(x) => &x[range],
+            Self::Double(x) => x,
             Self::Single(x) => {
                 copy.clear();
-                copy.extend(x[range].iter().map(|x| f64::from(*x)));
+                copy.extend(x.iter().map(|x| f64::from(*x)));
                 copy
             }
         }
@@ -73,36 +82,37 @@ pub struct Problems<'a> {
 }
 
 impl<'a> Problems<'a> {
+    /// The matrix of problem `k`.
+    #[inline(always)]
+    fn matrix(&self, k: usize) -> Numbers<'a> {
+        self.a.block(self.a_source.block(k), self.n * self.n)
+    }
+
     /// A and q of problem `k`; in the copies what is not in double precision.
     #[inline(always)]
     pub(super) fn doubles<'b>(&self, k: usize, a: &'b mut Vec<f64>, q: &'b mut Vec<f64>) -> (&'b [f64], &'b [f64])
     where
         'a: 'b,
     {
-        let n = self.n;
-        (self.a.doubles(self.a_source.block(k), n * n, a), self.q.doubles(self.q_source.block(k), n, q))
+        (self.matrix(k).doubles(a), self.q.block(self.q_source.block(k), self.n).doubles(q))
     }
 
     /// Whether all `a_ii > 0` in problem `k`.
     #[inline(always)]
     pub(super) fn has_positive_diagonal(&self, k: usize) -> bool {
-        let (block, length) = (self.a_source.block(k), self.n * self.n);
-        let range = block * length..(block + 1) * length;
         // Backwards: contact problems have their zeros at the end.
-        match self.a {
-            Numbers::Double(a) => a[range].iter().step_by(self.n + 1).rev().all(|&x| x > 0.0),
-            Numbers::Single(a) => a[range].iter().step_by(self.n + 1).rev().all(|&x| x > 0.0),
+        match self.matrix(k) {
+            Numbers::Double(a) => a.iter().step_by(self.n + 1).rev().all(|&x| x > 0.0),
+            Numbers::Single(a) => a.iter().step_by(self.n + 1).rev().all(|&x| x > 0.0),
         }
     }
 
     /// Plans to ask for the matrix of problem `k`, all of it within `steps` steps.
     #[inline(always)]
     pub(super) fn plan(&self, ahead: &mut Ahead, k: usize, steps: usize) {
-        let (block, length) = (self.a_source.block(k), self.n * self.n);
-        let range = block * length..(block + 1) * length;
-        match self.a {
-            Numbers::Double(a) => ahead.plan(&a[range], steps),
-            Numbers::Single(a) => ahead.plan(&a[range], steps),
+        match self.matrix(k) {
+            Numbers::Double(a) => ahead.plan(a, steps),
+            Numbers::Single(a) => ahead.plan(a, steps),
         }
     }
 }

@@ -6,13 +6,10 @@ use super::lemke_lanes::Pivots;
 use super::minors::{MINORS_ORDER, enumerate};
 use super::newton::{Step, Tile, improve_guess, multiply, newton, refine, solve_guess};
 use super::work::{ENUMERATE, LEMKE, NEWTON, Task};
-use crate::small::lane::{BLOCK, Lane, Mask};
+use crate::small::lane::{BLOCK, Lane, MOST_LANES, Mask};
 use crate::small::lemke::PIVOTS_PER_ROW;
 use crate::small::verify::{Verdict, is_small_when_equilibrated, verify};
 use crate::status::Status;
-
-/// Most lanes of any kind.
-pub(super) const MOST_LANES: usize = 16;
 
 /// Largest order for which Lemke's method runs in lanes: above, one problem at a time is faster.
 const LEMKE_ORDER: usize = 12;

@@ -6,9 +6,8 @@
 //! A pivot that rounding made smaller than `FLOOR` times its diagonal entry is raised to that, which regularises
 //! singular blocks; the error it leaves is removed by refinement, and `verify` has the last word.
 
-use super::lanes::MOST_LANES;
 use crate::small::ahead::Ahead;
-use crate::small::lane::{Lane, Mask};
+use crate::small::lane::{Lane, MOST_LANES, Mask};
 use crate::small::lemke::CANCELLED;
 
 /// Smallest pivot, relative to the diagonal entry it started from.

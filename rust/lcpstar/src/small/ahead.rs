@@ -1,17 +1,16 @@
 //! The memory of the next problems, asked for while these are worked on.
 
+use super::lane::MOST_LANES;
+
 /// Bytes that memory hands over at once.
 const LINE: usize = 64;
-
-/// Blocks at most: one for every lane of a tile.
-const MOST_BLOCKS: usize = 16;
 
 /// Blocks of memory that are needed soon. They are asked for a few lines at a time: a processor has room for some sixteen
 /// requests, and waits at the next one.
 #[derive(Default)]
 pub struct Ahead {
-    /// Addresses of the blocks.
-    starts: [usize; MOST_BLOCKS],
+    /// Addresses of the blocks, at most one for every lane of a tile.
+    starts: [usize; MOST_LANES],
     blocks: usize,
     /// Lines of a block.
     lines: usize,

@@ -7,6 +7,9 @@
 /// Columns that [`Lane::load_columns`] and [`Lane::store_columns`] move at a time.
 pub const BLOCK: usize = 8;
 
+/// Most lanes of any kind.
+pub const MOST_LANES: usize = 16;
+
 /// Lanes of one floating-point type with the operations of the kernels.
 pub trait Lane: Copy {
     /// The number in each lane.
