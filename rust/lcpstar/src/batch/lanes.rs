@@ -1,6 +1,9 @@
 //! Several problems side by side, one number of each in a register: loads them, tries one method after the other,
 //! verifies, writes what is solved.
 
+mod phase;
+mod transport;
+
 use super::io::{Guess, Numbers, Output, Problems};
 use super::lemke_lanes::Pivots;
 use super::minors::{MINORS_ORDER, enumerate};
@@ -9,7 +12,8 @@ use super::work::{ENUMERATE, LEMKE, NEWTON, Task};
 use crate::small::lane::{BLOCK, Lane, MOST_LANES, Mask};
 use crate::small::lemke::PIVOTS_PER_ROW;
 use crate::small::verify::{Verdict, is_small_when_equilibrated, verify};
-use crate::status::Status;
+use phase::{PHASES, Phase};
+use transport::{transpose, widen};
 
 /// Largest order for which Lemke's method runs in lanes: above, one problem at a time is faster.
 const LEMKE_ORDER: usize = 12;
@@ -17,9 +21,6 @@ const LEMKE_ORDER: usize = 12;
 /// Largest order for which Newton's method, without a guess, is tried. Above, Lemke's method, one problem at a time, costs a third
 /// more where A is regular and a third less where A is singular.
 const NEWTON_ORDER: usize = 20;
-
-/// Iterations of Newton's method after which a problem goes on to Lemke's method.
-const ITERATIONS: usize = 6;
 
 /// Refinement steps at most.
 const REFINEMENTS: usize = 2;
@@ -43,34 +44,6 @@ pub(super) struct Lanes<X: Lane, S: Lane> {
     left: Vec<usize>,
     /// Whether a problem came along that is not for Newton's method.
     seen_unfit: bool,
-}
-
-/// In this order.
-const PHASES: [Phase; 6] = [Phase::Guess, Phase::Point, Phase::Single, Phase::Enumerate, Phase::Newton, Phase::Lemke];
-
-/// What lanes do together.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Phase {
-    /// One factorisation for the support that the caller guesses.
-    Guess,
-    /// The point that the caller guesses, as it is.
-    Point,
-    /// Newton's method in single precision.
-    Single,
-    Enumerate,
-    Newton,
-    Lemke,
-}
-
-impl Phase {
-    fn is_newton(self) -> bool {
-        matches!(self, Self::Single | Self::Newton)
-    }
-
-    /// At most.
-    fn iterations(self) -> usize {
-        if self.is_newton() { ITERATIONS } else { 1 }
-    }
 }
 
 /// A tile of problems and what is known of them.
@@ -381,89 +354,6 @@ impl<X: Lane<Number = f64>, S: Lane<Number = f32>> Lanes<X, S> {
         }
     }
 
-    /// Writes the results of the lanes that are verified, with the supports in alpha.
-    #[inline(always)]
-    fn write<const N: usize>(
-        &mut self,
-        group: &mut Group<'_, X>,
-        found: &Found<X>,
-        verdict: &Verdict<X>,
-        output: &mut Output<'_>,
-    ) {
-        let n = if N == 0 { self.n } else { N };
-        let solved = group.open.and(found.lanes).and(verdict.solved);
-        group.open = group.open.and(solved.not());
-        let solved = solved.bits();
-        if solved == 0 {
-            return;
-        }
-        for (source, out) in [(&self.tile.z, &mut *output.z), (&self.tile.w, &mut *output.w)] {
-            let (blocks, rest) = source[..n].as_chunks::<BLOCK>();
-            // Backwards: a last block that is not whole reaches into the next row.
-            if !rest.is_empty() {
-                X::store_columns(rest, &mut self.rows[n - rest.len()..], n);
-            }
-            for (b, columns) in blocks.iter().enumerate().rev() {
-                X::store_columns(columns, &mut self.rows[BLOCK * b..], n);
-            }
-            for (l, k, count) in runs(group.members, solved) {
-                out[k * n..(k + count) * n].copy_from_slice(&self.rows[l * n..(l + count) * n]);
-            }
-        }
-        let (masks, mut iterations) = (self.tile.masks(n), [0; MOST_LANES]);
-        let (mut residual, mut natural_residual) = ([0.0; MOST_LANES], [0.0; MOST_LANES]);
-        for l in 0..X::LANES {
-            iterations[l] = u32::from(found.iterations[l]);
-            residual[l] = verdict.residual.get(l);
-            natural_residual[l] = verdict.natural_residual.get(l);
-        }
-        for (l, k, count) in runs(group.members, solved) {
-            let (from, to) = (l..l + count, k..k + count);
-            output.status[to.clone()].fill(Status::Solved as u8);
-            output.method[to.clone()].fill(found.method);
-            output.iterations[to.clone()].copy_from_slice(&iterations[from.clone()]);
-            output.residual[to.clone()].copy_from_slice(&residual[from.clone()]);
-            output.natural_residual[to].copy_from_slice(&natural_residual[from.clone()]);
-            output.alpha.write_masks(n, k, &masks[from]);
-        }
-    }
-
-    /// Copies problems into the lanes; spare lanes repeat the last one. Blocks of A that the lanes hold already stay.
-    #[inline(always)]
-    fn load<const N: usize>(&mut self, task: &Task<'_>, members: &[usize]) {
-        let n = if N == 0 { self.n } else { N };
-        let problems = task.problems;
-        let (mut a_blocks, mut q_blocks) = ([0; MOST_LANES], [0; MOST_LANES]);
-        for l in 0..X::LANES {
-            let place = task.first + members[l.min(members.len() - 1)];
-            (a_blocks[l], q_blocks[l]) = (problems.a_source.block(place), problems.q_source.block(place));
-        }
-        let (tile, singles) = (&mut self.tile, &mut self.singles);
-        if a_blocks[..X::LANES] != self.loaded[..X::LANES] {
-            columns(problems.a, n * n, &a_blocks, &mut singles.a, &mut tile.a);
-            self.loaded = a_blocks;
-        }
-        columns(problems.q, n, &q_blocks, &mut singles.q, &mut tile.q);
-    }
-
-    /// Plans to ask for the matrices of the problems that are next.
-    #[inline(always)]
-    fn plan_ahead(&mut self, phase: Phase, task: &Task<'_>, members: &[usize]) {
-        let (n, problems, ahead) = (self.n, task.problems, &mut self.tile.ahead);
-        // A factorisation has a step for each column; sweeps have more.
-        let steps = if phase.is_newton() { 2 * n } else { n };
-        ahead.clear();
-        // Smaller ones come in order, and the processor sees that by itself.
-        let members = if n > MINORS_ORDER { members } else { &[] };
-        for &k in members {
-            let block = problems.a_source.block(task.first + k);
-            if block == self.loaded[0] {
-                return;
-            }
-            problems.plan(ahead, task.first + k, steps);
-        }
-    }
-
     /// Lanes with a positive diagonal and lanes with a symmetric matrix.
     #[inline(always)]
     fn shape<const N: usize>(&self) -> (X::Mask, X::Mask) {
@@ -477,70 +367,5 @@ impl<X: Lane<Number = f64>, S: Lane<Number = f32>> Lanes<X, S> {
             }
         }
         (fit, symmetric)
-    }
-}
-
-/// Lanes of `solved` whose problems follow each other: the first lane, its problem, and how many.
-#[inline(always)]
-fn runs(members: &[usize], solved: u32) -> impl Iterator<Item = (usize, usize, usize)> {
-    let is_solved = move |l: usize| l < members.len() && solved >> l & 1 == 1;
-    let mut l = 0;
-    std::iter::from_fn(move || {
-        while l < members.len() && !is_solved(l) {
-            l += 1;
-        }
-        let (first, k) = (l, *members.get(l)?);
-        while is_solved(l) && members[l] == k + (l - first) {
-            l += 1;
-        }
-        Some((first, k, l - first))
-    })
-}
-
-/// Number e of block `blocks[l]` goes to lane l of `out[e]`, for `length` numbers e; by way of `singles` what is in single precision.
-#[inline(always)]
-fn columns<X: Lane<Number = f64>, S: Lane<Number = f32>>(
-    numbers: Numbers<'_>,
-    length: usize,
-    blocks: &[usize; MOST_LANES],
-    singles: &mut [S],
-    out: &mut [X],
-) {
-    match numbers {
-        Numbers::Double(x) => transpose::<X>(x, length, blocks, out),
-        Numbers::Single(x) => {
-            transpose::<S>(x, length, blocks, singles);
-            widen(&singles[..length], out);
-        }
-    }
-}
-
-/// The same numbers in double precision.
-#[inline(always)]
-fn widen<X: Lane<Number = f64>, S: Lane<Number = f32>>(singles: &[S], out: &mut [X]) {
-    for (out, single) in out.iter_mut().zip(singles) {
-        let mut doubles = [0.0; MOST_LANES];
-        for (l, double) in doubles[..X::LANES].iter_mut().enumerate() {
-            *double = single.get(l);
-        }
-        *out = X::from_slice(&doubles[..X::LANES]);
-    }
-}
-
-/// Number e of block `blocks[l]` goes to lane l of `out[e]`, for `length` numbers e.
-#[inline(always)]
-fn transpose<X: Lane>(numbers: &[X::Number], length: usize, blocks: &[usize; MOST_LANES], out: &mut [X]) {
-    let mut sources: [&[X::Number]; MOST_LANES] = [&[]; MOST_LANES];
-    for (source, block) in sources[..X::LANES].iter_mut().zip(blocks) {
-        *source = &numbers[block * length..(block + 1) * length];
-    }
-    let sources = &sources[..X::LANES];
-    // Blocks of known length first: for them the compiler knows every instruction.
-    let (blocks, rest) = out[..length].as_chunks_mut::<BLOCK>();
-    for (b, block) in blocks.iter_mut().enumerate() {
-        X::load_columns(sources, BLOCK * b, block);
-    }
-    if !rest.is_empty() {
-        X::load_columns(sources, length - rest.len(), rest);
     }
 }

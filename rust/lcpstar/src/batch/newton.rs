@@ -3,15 +3,15 @@
 //!
 //! For P-matrices this is block principal pivoting; it ends after a few factorisations on almost every problem with a
 //! positive (semi)definite matrix and may cycle on others. Lanes that do not end here go on to Lemke's method.
-//! A pivot that rounding made smaller than `FLOOR` times its diagonal entry is raised to that, which regularises
+//! A pivot that rounding made smaller than [`FLOOR`](factors::FLOOR) times its diagonal entry is raised to that, which regularises
 //! singular blocks; the error it leaves is removed by refinement, and `verify` has the last word.
+
+mod factors;
 
 use crate::small::ahead::Ahead;
 use crate::small::lane::{Lane, MOST_LANES, Mask};
 use crate::small::lemke::CANCELLED;
-
-/// Smallest pivot, relative to the diagonal entry it started from.
-pub const FLOOR: f64 = 1e-9;
+use factors::Factors;
 
 /// Largest order at which masking the rows outside the support is cheaper than leaving them out.
 const MASKED_ORDER: usize = 16;
@@ -51,19 +51,6 @@ struct Block<X: Lane> {
     z: Vec<X>,
 }
 
-/// Crout's `A_aa = L U` and what it makes of the right-hand side. Rows of L and columns of U lie contiguous: each new number is the
-/// product of one of each.
-struct Factors<X: Lane> {
-    /// L, row by row.
-    lower: Vec<X>,
-    /// U with unit diagonal, column by column.
-    upper: Vec<X>,
-    /// `1 / L_jj`.
-    inverse: Vec<X>,
-    /// `-L^-1 q_a`.
-    y: Vec<X>,
-}
-
 impl<X: Lane> Tile<X> {
     /// Memory for problems of order `n`.
     #[must_use]
@@ -82,12 +69,7 @@ impl<X: Lane> Tile<X> {
                 q: vector.clone(),
                 inside: vec![X::Mask::NONE; n],
                 places: vec![zero; n + 1],
-                factors: Factors {
-                    lower: vec![zero; n * n],
-                    upper: vec![zero; n * n],
-                    inverse: vector.clone(),
-                    y: vector.clone(),
-                },
+                factors: Factors::new(n),
                 x: vector,
                 z: vec![zero; n + 1],
             },
@@ -295,168 +277,6 @@ impl<X: Lane> Block<X> {
                 self.z[self.places[i].get(l) as usize].set_from(l, &x);
             }
         }
-    }
-}
-
-impl<X: Lane> Factors<X> {
-    /// Factors the block `A_aa` among the identity on the other rows and columns. Returns the lanes in which no pivot was raised.
-    #[inline(always)]
-    fn compute<const N: usize>(
-        &mut self,
-        n: usize,
-        a: &[X],
-        q: &[X],
-        alpha: &[X::Mask],
-        symmetric: bool,
-        ahead: &mut Ahead,
-    ) -> X::Mask {
-        let n = if N == 0 { n } else { N };
-        let (a, q, alpha) = (&a[..n * n], &q[..n], &alpha[..n]);
-        let (lower, upper) = (&mut self.lower[..n * n], &mut self.upper[..n * n]);
-        let (inverse, y) = (&mut self.inverse[..n], &mut self.y[..n]);
-        let (one, floor) = (X::splat(1.0), X::splat(FLOOR));
-        let mut regular = X::Mask::ALL;
-        for j in 0..n {
-            ahead.step();
-            let inside = alpha[j];
-            // Column j of L, from the diagonal down.
-            let row = &upper[j * n..j * n + j];
-            column(n, j, j, &a[j..], n, inside, alpha, row, lower, one);
-            let least = a[j * n + j].abs().mul(floor);
-            let pivot = lower[j * n + j];
-            regular = regular.and(least.le(pivot).or(inside.not()));
-            let pivot = pivot.max(least).or_else(inside, one);
-            let reciprocal = one.div(pivot);
-            lower[j * n + j] = pivot;
-            inverse[j] = reciprocal;
-            // Row j of U, right of the diagonal.
-            if symmetric {
-                for i in j + 1..n {
-                    upper[i * n + j] = lower[i * n + j].mul(reciprocal);
-                }
-            } else {
-                let row = &lower[j * n..j * n + j];
-                column(n, j + 1, j, &a[j * n..], 1, inside, alpha, row, upper, reciprocal);
-            }
-            let mut sum = q[j].neg().only(inside);
-            for (l, y) in lower[j * n..j * n + j].iter().zip(&y[..j]) {
-                sum = sum.sub_product(*l, *y);
-            }
-            y[j] = sum.mul(reciprocal);
-        }
-        regular
-    }
-
-    /// `z = U^-1 y`.
-    #[inline(always)]
-    fn substitute_back<const N: usize>(&self, n: usize, z: &mut [X]) {
-        let n = if N == 0 { n } else { N };
-        z[..n].copy_from_slice(&self.y[..n]);
-        self.solve_upper::<N>(n, z);
-    }
-
-    /// `x = U^-1 x`.
-    #[inline(always)]
-    fn solve_upper<const N: usize>(&self, n: usize, x: &mut [X]) {
-        let n = if N == 0 { n } else { N };
-        for i in (1..n).rev() {
-            let (before, x) = x[..=i].split_at_mut(i);
-            for (z, u) in before.iter_mut().zip(&self.upper[i * n..i * n + i]) {
-                *z = z.sub_product(*u, x[0]);
-            }
-        }
-    }
-
-    /// `x = L^-1 x`.
-    #[inline(always)]
-    fn solve_lower<const N: usize>(&self, n: usize, x: &mut [X]) {
-        let n = if N == 0 { n } else { N };
-        for i in 0..n {
-            let (before, x) = x[..=i].split_at_mut(i);
-            let mut sum = x[0];
-            for (l, y) in self.lower[i * n..i * n + i].iter().zip(&*before) {
-                sum = sum.sub_product(*l, *y);
-            }
-            x[0] = sum.mul(self.inverse[i]);
-        }
-    }
-
-    /// Sets to zero what is not larger than the rounding errors of the two substitutions it came from: degenerate rows of a
-    /// guessed support, in which anything else is a wrong w. O(n^2).
-    #[inline(always)]
-    fn clean<const N: usize>(&self, n: usize, q: &[X], alpha: &[X::Mask], z: &mut [X]) {
-        let n = if N == 0 { n } else { N };
-        let (lower, upper, inverse, y) = (&self.lower[..n * n], &self.upper[..n * n], &self.inverse[..n], &self.y[..n]);
-        let z = &mut z[..n];
-        let rounding = X::splat(NOISE * X::EPS);
-        for i in 0..n {
-            let mut size = q[i].abs().only(alpha[i]);
-            for k in 0..i {
-                size = size.add_product(lower[i * n + k].abs(), y[k].abs());
-            }
-            size = size.mul(inverse[i].abs());
-            for k in i + 1..n {
-                size = size.add_product(upper[k * n + i].abs(), z[k].abs());
-            }
-            z[i] = z[i].only(size.mul(rounding).lt(z[i].abs()));
-        }
-    }
-}
-
-/// [`entries`] for all rows from `first` on, four at a time.
-#[inline(always)]
-fn column<X: Lane>(
-    n: usize,
-    first: usize,
-    j: usize,
-    a: &[X],
-    stride: usize,
-    inside: X::Mask,
-    alpha: &[X::Mask],
-    row: &[X],
-    rows: &mut [X],
-    scale: X,
-) {
-    let mut i = first;
-    while i + 4 <= n {
-        entries::<X, 4>(n, i, j, a, stride, inside, alpha, row, rows, scale);
-        i += 4;
-    }
-    match n - i {
-        3 => entries::<X, 3>(n, i, j, a, stride, inside, alpha, row, rows, scale),
-        2 => entries::<X, 2>(n, i, j, a, stride, inside, alpha, row, rows, scale),
-        1 => entries::<X, 1>(n, i, j, a, stride, inside, alpha, row, rows, scale),
-        _ => {}
-    }
-}
-
-/// `(a_r - rows_r row) scale` for R rows r from i on goes to column j of them; `a_r` lies at `r stride` in `a`.
-#[inline(always)]
-fn entries<X: Lane, const R: usize>(
-    n: usize,
-    i: usize,
-    j: usize,
-    a: &[X],
-    stride: usize,
-    inside: X::Mask,
-    alpha: &[X::Mask],
-    row: &[X],
-    rows: &mut [X],
-    scale: X,
-) {
-    let mut sum = [X::splat(0.0); R];
-    let mut others = [row; R];
-    for r in 0..R {
-        sum[r] = a[(i + r) * stride].only(inside.and(alpha[i + r]));
-        others[r] = &rows[(i + r) * n..(i + r) * n + j];
-    }
-    for (k, x) in row.iter().enumerate() {
-        for r in 0..R {
-            sum[r] = sum[r].sub_product(others[r][k], *x);
-        }
-    }
-    for r in 0..R {
-        rows[(i + r) * n + j] = sum[r].mul(scale);
     }
 }
 

@@ -5,24 +5,7 @@
 //! in functions compiled for, and entered on, machines that do.
 #![allow(unsafe_code, reason = "instructions of the machine; see above for who may call them")]
 
-use super::lane::{BLOCK, Lane, Mask, Pair};
-use std::arch::x86_64::{
-    __m128i, __m256d, __m256i, __m512d, _CMP_EQ_OQ, _CMP_LE_OQ, _CMP_LT_OQ, _mm_add_pd, _mm_cvtsd_f64, _mm_loadu_pd,
-    _mm_max_pd, _mm_min_pd, _mm_unpackhi_pd, _mm256_add_pd, _mm256_and_pd, _mm256_andnot_pd, _mm256_blendv_pd,
-    _mm256_castpd128_pd256, _mm256_castpd256_pd128, _mm256_cmp_pd, _mm256_cvttpd_epi32, _mm256_div_pd,
-    _mm256_extractf128_pd, _mm256_fmadd_pd, _mm256_fnmadd_pd, _mm256_insertf128_pd, _mm256_loadu_pd, _mm256_max_pd,
-    _mm256_min_pd, _mm256_movemask_pd, _mm256_mul_pd, _mm256_or_pd, _mm256_permute2f128_pd, _mm256_set1_pd,
-    _mm256_setr_pd, _mm256_storeu_pd, _mm256_sub_pd, _mm256_unpackhi_pd, _mm256_unpacklo_pd, _mm256_xor_pd,
-    _mm512_abs_pd, _mm512_add_pd, _mm512_castpd256_pd512, _mm512_castpd512_pd256, _mm512_cmp_pd_mask,
-    _mm512_cvttpd_epi32, _mm512_div_pd, _mm512_extractf64x4_pd, _mm512_fmadd_pd, _mm512_fnmadd_pd, _mm512_insertf64x4,
-    _mm512_loadu_pd, _mm512_mask_blend_pd, _mm512_maskz_loadu_pd, _mm512_maskz_mov_pd, _mm512_max_pd, _mm512_min_pd,
-    _mm512_mul_pd, _mm512_set1_pd, _mm512_setr_pd, _mm512_shuffle_f64x2, _mm512_storeu_pd, _mm512_sub_pd,
-    _mm512_unpackhi_pd, _mm512_unpacklo_pd,
-};
-use std::mem::transmute;
-
-/// Eight doubles in two registers of AVX2.
-pub type Ymm2 = Pair<Ymm>;
+use super::lane::Pair;
 
 /// The operations of [`Lane`] that differ between registers by the instruction only.
 macro_rules! operations {
@@ -98,13 +81,6 @@ macro_rules! numbers {
     };
 }
 
-/// Eight doubles in one register.
-#[derive(Clone, Copy, Debug)]
-#[repr(transparent)]
-pub struct Zmm(__m512d);
-
-numbers!(Zmm, f64, 8);
-
 /// A bit per lane.
 macro_rules! bits {
     ($mask:ident, $bits:ty, $lanes:literal) => {
@@ -161,8 +137,6 @@ macro_rules! bits {
     };
 }
 
-bits!(Bits, u8, 8);
-
 /// One place in memory for each of `L` lanes, all in the first `span` vectors.
 #[derive(Clone, Copy, Debug)]
 pub struct Places<const L: usize> {
@@ -190,155 +164,6 @@ macro_rules! pick {
         Self(unsafe { $set($(*first.add($at.numbers[$l] as usize)),*) })
     }};
 }
-
-/// The sum, largest or smallest of the lanes: upper half with lower half, again and again.
-macro_rules! fold_zmm {
-    ($x:expr, $wide:ident) => {{
-        let (low, high) = unsafe { (_mm512_castpd512_pd256($x), _mm512_extractf64x4_pd::<1>($x)) };
-        Ymm(low).$wide(Ymm(high))
-    }};
-}
-
-/// Number l of vector k and number k of vector l change places.
-#[inline(always)]
-fn transpose_zmm(v: [__m512d; 8]) -> [__m512d; 8] {
-    let (mut pairs, mut out) = (v, v);
-    unsafe {
-        for k in 0..4 {
-            pairs[2 * k] = _mm512_unpacklo_pd(v[2 * k], v[2 * k + 1]);
-            pairs[2 * k + 1] = _mm512_unpackhi_pd(v[2 * k], v[2 * k + 1]);
-        }
-        for k in 0..2 {
-            let [a, b, c, d] = [pairs[k], pairs[k + 2], pairs[k + 4], pairs[k + 6]];
-            let (ab0, ab1) = (_mm512_shuffle_f64x2::<0x88>(a, b), _mm512_shuffle_f64x2::<0xdd>(a, b));
-            let (cd0, cd1) = (_mm512_shuffle_f64x2::<0x88>(c, d), _mm512_shuffle_f64x2::<0xdd>(c, d));
-            out[k] = _mm512_shuffle_f64x2::<0x88>(ab0, cd0);
-            out[k + 4] = _mm512_shuffle_f64x2::<0xdd>(ab0, cd0);
-            out[k + 2] = _mm512_shuffle_f64x2::<0x88>(ab1, cd1);
-            out[k + 6] = _mm512_shuffle_f64x2::<0xdd>(ab1, cd1);
-        }
-    }
-    out
-}
-
-// SAFETY of every block below: see the head of this file.
-impl Lane for Zmm {
-    type Index = Places<8>;
-
-    operations!(
-        f64,
-        8,
-        Bits,
-        _mm512_cmp_pd_mask,
-        _mm512_set1_pd,
-        _mm512_fmadd_pd,
-        _mm512_fnmadd_pd,
-        add = _mm512_add_pd,
-        sub = _mm512_sub_pd,
-        mul = _mm512_mul_pd,
-        div = _mm512_div_pd,
-        max = _mm512_max_pd,
-        min = _mm512_min_pd
-    );
-
-    #[inline(always)]
-    fn from_slice(x: &[f64]) -> Self {
-        let x8 = x.len().min(8);
-        if x8 == 8 {
-            return Self(unsafe { _mm512_loadu_pd(x.as_ptr()) });
-        }
-        // Lanes beyond the slice are not read.
-        Self(unsafe { _mm512_maskz_loadu_pd((1 << x8) - 1, x.as_ptr()) })
-    }
-    #[inline(always)]
-    fn load_columns(rows: &[&[f64]], first: usize, out: &mut [Self]) {
-        if out.len() == 8 {
-            // Two rows meet in a register on their way from memory, which leaves half the shuffles.
-            let mut v = [Self::splat(0.0).0; 8];
-            for (k, v) in v.iter_mut().enumerate() {
-                let (l, half) = (4 * (k / 2 % 2) + k % 2, first + 4 * (k / 4));
-                let (upper, lower) = (&rows[l][half..half + 4], &rows[l + 2][half..half + 4]);
-                *v = unsafe {
-                    let upper = _mm512_castpd256_pd512(_mm256_loadu_pd(upper.as_ptr()));
-                    _mm512_insertf64x4::<1>(upper, _mm256_loadu_pd(lower.as_ptr()))
-                };
-            }
-            for (k, pairs) in v.as_chunks::<4>().0.iter().enumerate() {
-                let [a, b, c, d] = *pairs;
-                unsafe {
-                    let (ab, cd) = (_mm512_unpacklo_pd(a, b), _mm512_unpacklo_pd(c, d));
-                    out[4 * k].0 = _mm512_shuffle_f64x2::<0x88>(ab, cd);
-                    out[4 * k + 2].0 = _mm512_shuffle_f64x2::<0xdd>(ab, cd);
-                    let (ab, cd) = (_mm512_unpackhi_pd(a, b), _mm512_unpackhi_pd(c, d));
-                    out[4 * k + 1].0 = _mm512_shuffle_f64x2::<0x88>(ab, cd);
-                    out[4 * k + 3].0 = _mm512_shuffle_f64x2::<0xdd>(ab, cd);
-                }
-            }
-            return;
-        }
-        let mut v = [Self::splat(0.0).0; 8];
-        for l in 0..8 {
-            v[l] = Self::from_slice(&rows[l][first..first + out.len()]).0;
-        }
-        let v = transpose_zmm(v);
-        for (k, out) in out.iter_mut().enumerate().take(8) {
-            out.0 = v[k];
-        }
-    }
-    #[inline(always)]
-    fn store_columns(columns: &[Self], rows: &mut [f64], stride: usize) {
-        let mut v = [Self::splat(0.0).0; 8];
-        for (k, column) in columns.iter().enumerate().take(8) {
-            v[k] = column.0;
-        }
-        let v = transpose_zmm(v);
-        for l in 0..8 {
-            let row = &mut rows[l * stride..l * stride + BLOCK];
-            unsafe { _mm512_storeu_pd(row.as_mut_ptr(), v[l]) };
-        }
-    }
-    #[inline(always)]
-    fn index(self, limit: usize, stride: usize) -> Places<8> {
-        let place = self.max(Self::splat(0.0)).min(Self::splat((limit - 1) as f64));
-        // SAFETY: eight integers are eight integers.
-        Places::new(unsafe { transmute::<__m256i, [u32; 8]>(_mm512_cvttpd_epi32(place.0)) }, limit, stride)
-    }
-    #[inline(always)]
-    fn pick(v: &[Self], at: Places<8>) -> Self {
-        pick!(v, at, f64, _mm512_setr_pd, 0 1 2 3 4 5 6 7)
-    }
-    #[inline(always)]
-    fn sum(self) -> f64 {
-        fold_zmm!(self.0, add).sum()
-    }
-    #[inline(always)]
-    fn largest(self) -> f64 {
-        fold_zmm!(self.0, max).largest()
-    }
-    #[inline(always)]
-    fn smallest(self) -> f64 {
-        fold_zmm!(self.0, min).smallest()
-    }
-    #[inline(always)]
-    fn abs(self) -> Self {
-        Self(unsafe { _mm512_abs_pd(self.0) })
-    }
-    #[inline(always)]
-    fn only(self, mask: Bits) -> Self {
-        Self(unsafe { _mm512_maskz_mov_pd(mask.0, self.0) })
-    }
-    #[inline(always)]
-    fn or_else(self, mask: Bits, x: Self) -> Self {
-        Self(unsafe { _mm512_mask_blend_pd(mask.0, x.0, self.0) })
-    }
-}
-
-/// Four doubles in one register.
-#[derive(Clone, Copy, Debug)]
-#[repr(transparent)]
-pub struct Ymm(__m256d);
-
-numbers!(Ymm, f64, 4);
 
 /// All bits or none, lane by lane.
 macro_rules! words {
@@ -398,146 +223,13 @@ macro_rules! words {
     };
 }
 
-words!(YmmMask, __m256d, u64, 4, _mm256_and_pd, _mm256_or_pd, _mm256_xor_pd, _mm256_movemask_pd);
-
-/// As [`transpose_zmm`].
-#[inline(always)]
-fn transpose_ymm([a, b, c, d]: [__m256d; 4]) -> [__m256d; 4] {
-    unsafe {
-        let (ab0, ab1) = (_mm256_unpacklo_pd(a, b), _mm256_unpackhi_pd(a, b));
-        let (cd0, cd1) = (_mm256_unpacklo_pd(c, d), _mm256_unpackhi_pd(c, d));
-        [
-            _mm256_permute2f128_pd::<0x20>(ab0, cd0),
-            _mm256_permute2f128_pd::<0x20>(ab1, cd1),
-            _mm256_permute2f128_pd::<0x31>(ab0, cd0),
-            _mm256_permute2f128_pd::<0x31>(ab1, cd1),
-        ]
-    }
-}
-
-impl Lane for Ymm {
-    type Index = Places<4>;
-
-    operations!(
-        f64,
-        4,
-        YmmMask,
-        _mm256_cmp_pd,
-        _mm256_set1_pd,
-        _mm256_fmadd_pd,
-        _mm256_fnmadd_pd,
-        add = _mm256_add_pd,
-        sub = _mm256_sub_pd,
-        mul = _mm256_mul_pd,
-        div = _mm256_div_pd,
-        max = _mm256_max_pd,
-        min = _mm256_min_pd
-    );
-
-    #[inline(always)]
-    fn from_slice(x: &[f64]) -> Self {
-        if let Some(whole) = x.first_chunk::<4>() {
-            return Self(unsafe { _mm256_loadu_pd(whole.as_ptr()) });
-        }
-        let mut out = Self::splat(0.0);
-        for (l, x) in x.iter().enumerate() {
-            out.set(l, *x);
-        }
-        out
-    }
-    #[inline(always)]
-    fn load_columns(rows: &[&[f64]], first: usize, out: &mut [Self]) {
-        for (b, out) in out.chunks_mut(4).enumerate() {
-            let first = first + 4 * b;
-            if let [out0, out1, out2, out3] = out {
-                // Two rows meet in a register on their way from memory, which leaves half the shuffles.
-                let mut v = [Self::splat(0.0).0; 4];
-                for (k, v) in v.iter_mut().enumerate() {
-                    let (l, half) = (k % 2, first + 2 * (k / 2));
-                    let (upper, lower) = (&rows[l][half..half + 2], &rows[l + 2][half..half + 2]);
-                    *v = unsafe {
-                        let upper = _mm256_castpd128_pd256(_mm_loadu_pd(upper.as_ptr()));
-                        _mm256_insertf128_pd::<1>(upper, _mm_loadu_pd(lower.as_ptr()))
-                    };
-                }
-                let [a, b, c, d] = v;
-                unsafe {
-                    (out0.0, out1.0) = (_mm256_unpacklo_pd(a, b), _mm256_unpackhi_pd(a, b));
-                    (out2.0, out3.0) = (_mm256_unpacklo_pd(c, d), _mm256_unpackhi_pd(c, d));
-                }
-                continue;
-            }
-            let mut v = [Self::splat(0.0).0; 4];
-            for l in 0..4 {
-                v[l] = Self::from_slice(&rows[l][first..first + out.len()]).0;
-            }
-            let v = transpose_ymm(v);
-            for (k, out) in out.iter_mut().enumerate() {
-                out.0 = v[k];
-            }
-        }
-    }
-    #[inline(always)]
-    fn store_columns(columns: &[Self], rows: &mut [f64], stride: usize) {
-        // Backwards: a second half that is not whole reaches into the next rows.
-        for (b, columns) in columns.chunks(4).enumerate().take(BLOCK / 4).rev() {
-            let mut v = [Self::splat(0.0).0; 4];
-            for (k, column) in columns.iter().enumerate() {
-                v[k] = column.0;
-            }
-            let v = transpose_ymm(v);
-            for l in 0..4 {
-                let first = l * stride + 4 * b;
-                let row = &mut rows[first..first + 4];
-                unsafe { _mm256_storeu_pd(row.as_mut_ptr(), v[l]) };
-            }
-        }
-    }
-    #[inline(always)]
-    fn index(self, limit: usize, stride: usize) -> Places<4> {
-        let place = self.max(Self::splat(0.0)).min(Self::splat((limit - 1) as f64));
-        // SAFETY: four integers are four integers.
-        Places::new(unsafe { transmute::<__m128i, [u32; 4]>(_mm256_cvttpd_epi32(place.0)) }, limit, stride)
-    }
-    #[inline(always)]
-    fn pick(v: &[Self], at: Places<4>) -> Self {
-        pick!(v, at, f64, _mm256_setr_pd, 0 1 2 3)
-    }
-    #[inline(always)]
-    fn sum(self) -> f64 {
-        unsafe {
-            let two = _mm_add_pd(_mm256_castpd256_pd128(self.0), _mm256_extractf128_pd::<1>(self.0));
-            _mm_cvtsd_f64(_mm_add_pd(two, _mm_unpackhi_pd(two, two)))
-        }
-    }
-    #[inline(always)]
-    fn largest(self) -> f64 {
-        unsafe {
-            let two = _mm_max_pd(_mm256_castpd256_pd128(self.0), _mm256_extractf128_pd::<1>(self.0));
-            _mm_cvtsd_f64(_mm_max_pd(two, _mm_unpackhi_pd(two, two)))
-        }
-    }
-    #[inline(always)]
-    fn smallest(self) -> f64 {
-        unsafe {
-            let two = _mm_min_pd(_mm256_castpd256_pd128(self.0), _mm256_extractf128_pd::<1>(self.0));
-            _mm_cvtsd_f64(_mm_min_pd(two, _mm_unpackhi_pd(two, two)))
-        }
-    }
-    #[inline(always)]
-    fn abs(self) -> Self {
-        Self(unsafe { _mm256_andnot_pd(Self::splat(-0.0).0, self.0) })
-    }
-    #[inline(always)]
-    fn only(self, mask: YmmMask) -> Self {
-        Self(unsafe { _mm256_and_pd(self.0, mask.0) })
-    }
-    #[inline(always)]
-    fn or_else(self, mask: YmmMask, x: Self) -> Self {
-        Self(unsafe { _mm256_blendv_pd(x.0, self.0, mask.0) })
-    }
-}
-
-// After the macros, which it uses.
+// After the macros, which they use.
 mod single;
+mod ymm;
+mod zmm;
 pub use single::{YmmS, ZmmS};
+pub use ymm::Ymm;
+pub use zmm::Zmm;
+
+/// Eight doubles in two registers of AVX2.
+pub type Ymm2 = Pair<Ymm>;

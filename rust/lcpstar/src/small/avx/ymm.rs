@@ -1,0 +1,160 @@
+//! Four doubles in a register of AVX2: [`Places`] and macros of the parent.
+
+use super::Places;
+use crate::small::lane::{BLOCK, Lane, Mask};
+use std::arch::x86_64::{
+    __m128i, __m256d, _CMP_EQ_OQ, _CMP_LE_OQ, _CMP_LT_OQ, _mm_add_pd, _mm_cvtsd_f64, _mm_loadu_pd, _mm_max_pd,
+    _mm_min_pd, _mm_unpackhi_pd, _mm256_add_pd, _mm256_and_pd, _mm256_andnot_pd, _mm256_blendv_pd,
+    _mm256_castpd128_pd256, _mm256_castpd256_pd128, _mm256_cmp_pd, _mm256_cvttpd_epi32, _mm256_div_pd,
+    _mm256_extractf128_pd, _mm256_fmadd_pd, _mm256_fnmadd_pd, _mm256_insertf128_pd, _mm256_loadu_pd, _mm256_max_pd,
+    _mm256_min_pd, _mm256_movemask_pd, _mm256_mul_pd, _mm256_or_pd, _mm256_permute2f128_pd, _mm256_set1_pd,
+    _mm256_setr_pd, _mm256_storeu_pd, _mm256_sub_pd, _mm256_unpackhi_pd, _mm256_unpacklo_pd, _mm256_xor_pd,
+};
+use std::mem::transmute;
+
+/// Four doubles in one register.
+#[derive(Clone, Copy, Debug)]
+#[repr(transparent)]
+pub struct Ymm(pub(super) __m256d);
+
+numbers!(Ymm, f64, 4);
+
+words!(YmmMask, __m256d, u64, 4, _mm256_and_pd, _mm256_or_pd, _mm256_xor_pd, _mm256_movemask_pd);
+
+/// As `transpose_zmm`.
+#[inline(always)]
+fn transpose_ymm([a, b, c, d]: [__m256d; 4]) -> [__m256d; 4] {
+    unsafe {
+        let (ab0, ab1) = (_mm256_unpacklo_pd(a, b), _mm256_unpackhi_pd(a, b));
+        let (cd0, cd1) = (_mm256_unpacklo_pd(c, d), _mm256_unpackhi_pd(c, d));
+        [
+            _mm256_permute2f128_pd::<0x20>(ab0, cd0),
+            _mm256_permute2f128_pd::<0x20>(ab1, cd1),
+            _mm256_permute2f128_pd::<0x31>(ab0, cd0),
+            _mm256_permute2f128_pd::<0x31>(ab1, cd1),
+        ]
+    }
+}
+
+impl Lane for Ymm {
+    type Index = Places<4>;
+
+    operations!(
+        f64,
+        4,
+        YmmMask,
+        _mm256_cmp_pd,
+        _mm256_set1_pd,
+        _mm256_fmadd_pd,
+        _mm256_fnmadd_pd,
+        add = _mm256_add_pd,
+        sub = _mm256_sub_pd,
+        mul = _mm256_mul_pd,
+        div = _mm256_div_pd,
+        max = _mm256_max_pd,
+        min = _mm256_min_pd
+    );
+
+    #[inline(always)]
+    fn from_slice(x: &[f64]) -> Self {
+        if let Some(whole) = x.first_chunk::<4>() {
+            return Self(unsafe { _mm256_loadu_pd(whole.as_ptr()) });
+        }
+        let mut out = Self::splat(0.0);
+        for (l, x) in x.iter().enumerate() {
+            out.set(l, *x);
+        }
+        out
+    }
+    #[inline(always)]
+    fn load_columns(rows: &[&[f64]], first: usize, out: &mut [Self]) {
+        for (b, out) in out.chunks_mut(4).enumerate() {
+            let first = first + 4 * b;
+            if let [out0, out1, out2, out3] = out {
+                // Two rows meet in a register on their way from memory, which leaves half the shuffles.
+                let mut v = [Self::splat(0.0).0; 4];
+                for (k, v) in v.iter_mut().enumerate() {
+                    let (l, half) = (k % 2, first + 2 * (k / 2));
+                    let (upper, lower) = (&rows[l][half..half + 2], &rows[l + 2][half..half + 2]);
+                    *v = unsafe {
+                        let upper = _mm256_castpd128_pd256(_mm_loadu_pd(upper.as_ptr()));
+                        _mm256_insertf128_pd::<1>(upper, _mm_loadu_pd(lower.as_ptr()))
+                    };
+                }
+                let [a, b, c, d] = v;
+                unsafe {
+                    (out0.0, out1.0) = (_mm256_unpacklo_pd(a, b), _mm256_unpackhi_pd(a, b));
+                    (out2.0, out3.0) = (_mm256_unpacklo_pd(c, d), _mm256_unpackhi_pd(c, d));
+                }
+                continue;
+            }
+            let mut v = [Self::splat(0.0).0; 4];
+            for l in 0..4 {
+                v[l] = Self::from_slice(&rows[l][first..first + out.len()]).0;
+            }
+            let v = transpose_ymm(v);
+            for (k, out) in out.iter_mut().enumerate() {
+                out.0 = v[k];
+            }
+        }
+    }
+    #[inline(always)]
+    fn store_columns(columns: &[Self], rows: &mut [f64], stride: usize) {
+        // Backwards: a second half that is not whole reaches into the next rows.
+        for (b, columns) in columns.chunks(4).enumerate().take(BLOCK / 4).rev() {
+            let mut v = [Self::splat(0.0).0; 4];
+            for (k, column) in columns.iter().enumerate() {
+                v[k] = column.0;
+            }
+            let v = transpose_ymm(v);
+            for l in 0..4 {
+                let first = l * stride + 4 * b;
+                let row = &mut rows[first..first + 4];
+                unsafe { _mm256_storeu_pd(row.as_mut_ptr(), v[l]) };
+            }
+        }
+    }
+    #[inline(always)]
+    fn index(self, limit: usize, stride: usize) -> Places<4> {
+        let place = self.max(Self::splat(0.0)).min(Self::splat((limit - 1) as f64));
+        // SAFETY: four integers are four integers.
+        Places::new(unsafe { transmute::<__m128i, [u32; 4]>(_mm256_cvttpd_epi32(place.0)) }, limit, stride)
+    }
+    #[inline(always)]
+    fn pick(v: &[Self], at: Places<4>) -> Self {
+        pick!(v, at, f64, _mm256_setr_pd, 0 1 2 3)
+    }
+    #[inline(always)]
+    fn sum(self) -> f64 {
+        unsafe {
+            let two = _mm_add_pd(_mm256_castpd256_pd128(self.0), _mm256_extractf128_pd::<1>(self.0));
+            _mm_cvtsd_f64(_mm_add_pd(two, _mm_unpackhi_pd(two, two)))
+        }
+    }
+    #[inline(always)]
+    fn largest(self) -> f64 {
+        unsafe {
+            let two = _mm_max_pd(_mm256_castpd256_pd128(self.0), _mm256_extractf128_pd::<1>(self.0));
+            _mm_cvtsd_f64(_mm_max_pd(two, _mm_unpackhi_pd(two, two)))
+        }
+    }
+    #[inline(always)]
+    fn smallest(self) -> f64 {
+        unsafe {
+            let two = _mm_min_pd(_mm256_castpd256_pd128(self.0), _mm256_extractf128_pd::<1>(self.0));
+            _mm_cvtsd_f64(_mm_min_pd(two, _mm_unpackhi_pd(two, two)))
+        }
+    }
+    #[inline(always)]
+    fn abs(self) -> Self {
+        Self(unsafe { _mm256_andnot_pd(Self::splat(-0.0).0, self.0) })
+    }
+    #[inline(always)]
+    fn only(self, mask: YmmMask) -> Self {
+        Self(unsafe { _mm256_and_pd(self.0, mask.0) })
+    }
+    #[inline(always)]
+    fn or_else(self, mask: YmmMask, x: Self) -> Self {
+        Self(unsafe { _mm256_blendv_pd(x.0, self.0, mask.0) })
+    }
+}
