@@ -207,6 +207,7 @@ def test_the_small_kernel_is_no_easier_than_certify():
         ([[0, 0], [0, 1]], [-(2.0**-40), 2.0**20]),  # a row without entries
         ([[0, 0], [2.0**16, -(2.0**-6)]], [2.0**39, -(2.0**-38)]),
         ([[-1, 0], [0, 1]], [-(2.0**-40), 2.0**20]),
+        ([[-1, 0], [0, 1]], [-(2.0**-40), -(2.0**20)]),
     ],
 )
 def test_a_small_row_of_a_sparse_matrix_holds_too(A, q, method):

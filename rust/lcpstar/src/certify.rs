@@ -5,9 +5,7 @@ mod extreme;
 
 use crate::exact::sufficiency::{self, NotSufficient};
 use crate::linalg::kernels::max_abs;
-use crate::residual::{
-    ABSOLUTE, equilibrated_residual, holds_alone, natural_residual, slack, slack_error, sparse_floor,
-};
+use crate::residual::{ABSOLUTE, Floors, equilibrated_residual, holds_alone, natural_residual, slack, slack_error};
 use crate::scaling::{Equilibrated, Scaling, are_ordinary};
 use crate::solution::{Candidate, Certificate, Ray, Solution};
 use crate::sparse::SparseLcp;
@@ -115,7 +113,7 @@ fn judge(problem: &Equilibrated<'_>, z: Vec<f64>, tol: f64) -> Judged {
     extreme::judge(problem, judged.z, tol)
 }
 
-/// As [`judge`], for any way to compute `w'` and its rounding scale; with `q'` where A is sparse.
+/// As [`judge`], for any way to compute `w'` and its rounding scale; with floors where A is sparse.
 ///
 /// A point that fails is looked at again without the smaller member of each pair, and then without what is rounding error
 /// beside the largest entry, of one solve or after refinement: a degenerate z_i that should be zero, in a row that holds
@@ -125,7 +123,7 @@ fn judge_point(
     max_q: f64,
     mut z: Vec<f64>,
     tol: f64,
-    sparse: Option<&[f64]>,
+    floors: Option<&Floors>,
     slack: impl Fn(&[f64]) -> (Vec<f64>, Vec<f64>),
 ) -> Judged {
     for x in &mut z {
@@ -143,7 +141,7 @@ fn judge_point(
     let pairs: Vec<f64> = z.iter().zip(&w).map(|(&z, &w)| if z < w { 0.0 } else { z }).collect();
     let without = |noise: f64| pairs.iter().map(|&z| if z <= noise * largest { 0.0 } else { z }).collect();
     let (without_noise, without_dust): (Vec<f64>, Vec<f64>) = (without(NOISE), without(NOISE * NOISE));
-    let first = measure(scaling, max_q, z, w, magnitude, tol, sparse);
+    let first = measure(scaling, max_q, z, w, magnitude, tol, floors);
     if first.solves {
         return first;
     }
@@ -152,7 +150,7 @@ fn judge_point(
         if z != seen {
             let (w, magnitude) = slack(&z);
             seen.clone_from(&z);
-            let judged = measure(scaling, max_q, z, w, magnitude, tol, sparse);
+            let judged = measure(scaling, max_q, z, w, magnitude, tol, floors);
             if judged.solves {
                 return judged;
             }
@@ -163,7 +161,7 @@ fn judge_point(
     }
     let z = vec![0.0; first.z.len()];
     let (w, magnitude) = slack(&z);
-    measure(scaling, max_q, z, w, magnitude, tol, sparse)
+    measure(scaling, max_q, z, w, magnitude, tol, floors)
 }
 
 /// An entry of z below this part of the largest one may be rounding error.
@@ -177,11 +175,11 @@ fn measure(
     w: Vec<f64>,
     magnitude: Vec<f64>,
     tol: f64,
-    sparse: Option<&[f64]>,
+    floors: Option<&Floors>,
 ) -> Judged {
     let residual = equilibrated_residual(&z, &w);
     let violation = natural_residual(&z, &w) + slack_error(z.len(), max_abs(&magnitude));
-    let floor = |i: usize| sparse.map_or(0.0, |q| sparse_floor(q[i], magnitude[i]));
+    let floor = |i: usize| floors.map_or(0.0, |floors| floors.of(i, magnitude[i]));
     let rows_hold = (0..z.len()).all(|i| holds_alone(z[i], w[i], magnitude[i], tol, floor(i)));
     let caller_z = scaling.z_to_caller(&z);
     let caller_w = scaling.w_to_caller(&w);
@@ -212,7 +210,8 @@ pub fn certify_sparse(
     tol: f64,
 ) -> Solution {
     let z = std::mem::take(&mut candidate.z);
-    let judged = judge_point(scaling, max_abs(original.q()), z, tol, Some(scaled.q()), |z| scaled.slack(z));
+    let floors = Floors::new(scaled);
+    let judged = judge_point(scaling, max_abs(original.q()), z, tol, Some(&floors), |z| scaled.slack(z));
     let farkas = candidate.farkas.as_deref().and_then(normalised).filter(|y| is_sparse_farkas(scaled, y));
     let certificate = farkas.map(|y| Certificate::Infeasible { y: scaling.multiplier_to_caller(&y), exact: None });
     conclude(judged, candidate, certificate, method, tol, |i, j| original.entry(i, j))

@@ -289,7 +289,7 @@ pub fn solve_sparse(lcp: &SparseLcp, settings: &Settings, control: &Control<'_>)
         Method::Auto => (interior_point(&interior_point::Settings::default()), "interior_point"),
         Method::InteriorPoint(options) => (interior_point(options), "interior_point"),
         Method::Approximate(method) => {
-            let goal = Goal::of_sparse(tol, &scaling, lcp.q());
+            let goal = Goal::of_sparse(tol, &scaling, lcp.q(), &scaled);
             (method.run(&Sparse::new(&scaled), &goal, z0.as_deref(), control), method.name())
         }
         _ => {

@@ -3,6 +3,7 @@
 use crate::linalg::compensated::affine_compensated;
 use crate::linalg::kernels::max_abs;
 use crate::problem::Lcp;
+use crate::sparse::SparseLcp;
 
 /// `w = A z + q` (Dot2 of [ORO05]) and its rounding scale `|A||z| + |q|`, row by row. O(n^2).
 #[must_use]
@@ -48,12 +49,33 @@ pub fn holds_alone(z: f64, w: f64, m: f64, tol: f64, floor: f64) -> bool {
     off <= tol.sqrt() * m || off <= floor
 }
 
-/// The floor of [`holds_alone`] in a row of a sparse A, with `m = (|A||z| + |q|)_i`: rounding beside `max|q'| < 1`. The
-/// solution of a discretised equation may decay to nothing, and no double holds its tail. In a row of which q_i is the greater
-/// part nothing decays, and the floor is 0, as it is for a dense A.
-#[must_use]
-pub fn sparse_floor(q: f64, m: f64) -> f64 {
-    if 2.0 * q.abs() < m { 32.0 * f64::EPSILON } else { 0.0 }
+/// The floors of [`holds_alone`] in the rows of a sparse A: rounding beside the largest `|q'|` of the part of the problem that row i
+/// belongs to. The solution of a discretised equation may decay to nothing, and no double holds its tail; rows that do not
+/// hang together have no tail in each other.
+#[derive(Clone, Debug)]
+pub struct Floors {
+    q: Vec<f64>,
+    rounding: Vec<f64>,
+}
+
+impl Floors {
+    /// The floors of an equilibrated problem. O(nnz).
+    #[must_use]
+    pub fn new(scaled: &SparseLcp) -> Self {
+        let (q, parts) = (scaled.q(), scaled.parts());
+        let mut largest = vec![0.0_f64; q.len()];
+        for (q, &part) in q.iter().zip(&parts) {
+            largest[part] = largest[part].max(q.abs());
+        }
+        Self { q: q.to_vec(), rounding: parts.iter().map(|&part| 32.0 * f64::EPSILON * largest[part]).collect() }
+    }
+
+    /// That of row i, with `m = (|A||z| + |q|)_i`. In a row of which q_i is the greater part nothing decays, and the floor is 0,
+    /// as it is for a dense A.
+    #[must_use]
+    pub fn of(&self, i: usize, m: f64) -> f64 {
+        if 2.0 * self.q[i].abs() < m { self.rounding[i] } else { 0.0 }
+    }
 }
 
 /// On the equilibrated problem, where `max|q'| < 1`, `max|min(z', w')|` itself must be below `max(tol, ABSOLUTE)`: both other

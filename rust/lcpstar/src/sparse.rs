@@ -113,6 +113,28 @@ impl SparseLcp {
         scaled
     }
 
+    /// A number per index, itself an index, that is the same for i and j where `a_ij` or `a_ji` is not 0, or a chain of such pairs
+    /// joins them: union-find with path halving, O(nnz log n) at most. [TL84]
+    #[must_use]
+    pub fn parts(&self) -> Vec<usize> {
+        let mut parent: Vec<usize> = (0..self.n()).collect();
+        let root = |parent: &mut [usize], mut i: usize| {
+            while parent[i] != i {
+                parent[i] = parent[parent[i]];
+                i = parent[i];
+            }
+            i
+        };
+        for i in 0..self.n() {
+            let (columns, values) = self.row(i);
+            for (&j, _) in columns.iter().zip(values).filter(|(_, a)| **a != 0.0) {
+                let (a, b) = (root(&mut parent, i), root(&mut parent, j));
+                parent[a.max(b)] = a.min(b);
+            }
+        }
+        (0..self.n()).map(|i| root(&mut parent, i)).collect()
+    }
+
     /// `w = A z + q` in twice the working precision, and its rounding scale `|A||z| + |q|`. O(nnz).
     #[must_use]
     pub fn slack(&self, z: &[f64]) -> (Vec<f64>, Vec<f64>) {

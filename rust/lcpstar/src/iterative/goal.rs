@@ -2,8 +2,9 @@
 
 use super::Matrix;
 use crate::linalg::kernels::max_abs;
-use crate::residual::{ABSOLUTE, holds_alone, sparse_floor};
+use crate::residual::{ABSOLUTE, Floors, holds_alone};
 use crate::scaling::{Scaling, times_power_of_two};
+use crate::sparse::SparseLcp;
 
 /// The residual to reach, measured on the equilibrated problem whatever problem the iteration runs on.
 ///
@@ -17,8 +18,8 @@ pub struct Goal {
     z_caller: Vec<f64>,
     w_caller: Vec<f64>,
     max_q: f64,
-    /// The scaled q where A is sparse, else empty.
-    sparse_q: Vec<f64>,
+    /// Where A is sparse.
+    floors: Option<Floors>,
 }
 
 /// The residual of the contract, and its numerator.
@@ -45,15 +46,14 @@ impl Goal {
             z_caller: factors(&|i| scaling.columns[i] - scaling.q),
             w_caller: factors(&|i| -scaling.rows[i] - scaling.q),
             max_q: max_abs(q),
-            sparse_q: vec![],
+            floors: None,
         }
     }
 
-    /// The same for a sparse A.
+    /// The same for a sparse A: the problem as it is iterated on.
     #[must_use]
-    pub fn of_sparse(tol: f64, scaling: &Scaling, q: &[f64]) -> Self {
-        let sparse_q = q.iter().zip(&scaling.rows).map(|(&q, r)| times_power_of_two(q, r + scaling.q)).collect();
-        Self { sparse_q, ..Self::new(tol, scaling, scaling, q) }
+    pub fn of_sparse(tol: f64, scaling: &Scaling, q: &[f64], scaled: &SparseLcp) -> Self {
+        Self { floors: Some(Floors::new(scaled)), ..Self::new(tol, scaling, scaling, q) }
     }
 
     /// The goal of an iteration on the caller's numbers as they are.
@@ -107,7 +107,7 @@ impl Goal {
         self.may_be_reached(self.measure(z, w))
             && (0..z.len()).all(|i| {
                 let g = factor(&self.w_factor, i);
-                let floor = self.sparse_q.get(i).map_or(0.0, |&q| sparse_floor(q, magnitude[i]));
+                let floor = self.floors.as_ref().map_or(0.0, |floors| floors.of(i, magnitude[i]));
                 let (caller_z, caller_w) = (z[i] * self.z_caller[i], w[i] * self.w_caller[i]);
                 caller_z.min(caller_w).abs() <= allowed + 8.0 * f64::EPSILON * magnitude[i] * self.w_caller[i]
                     && holds_alone(z[i] * factor(&self.z_factor, i), w[i] * g, magnitude[i] * g, self.tol, floor)
