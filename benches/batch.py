@@ -1,7 +1,8 @@
 """Batches beside QuantEcon's `lcp_lemke` in a numba-compiled loop: `python benches/batch.py --count 100000`.
 
-One thread, medians of processor time, the calls taking turns. Also single precision, one A with many q, and the
-published batches of contact problems beside Drake and Siconos where they are installed.
+One thread, medians of processor time, the calls taking turns; NumPy's sum of all entries of A tells what reading them
+takes. Also single precision, one A with many q, and the published batches of contact problems beside Drake and Siconos
+where they are installed.
 """
 
 from __future__ import annotations
@@ -120,9 +121,9 @@ def check(A, q, sols):
 
 def synthetic(peer, count, repeats):
     lines = [
-        "| family | n | cold, M/s | warm, M/s | warm/cold | cold without `out=`, M/s | quantecon loop, M/s "
-        "| cold/quantecon | quantecon: success |",
-        "| --- | --- | --- | --- | --- | --- | --- | --- | --- |",
+        "| family | n | cold, M/s | warm, M/s | warm/cold | cold without `out=`, M/s | `A.sum()`, M/s "
+        "| quantecon loop, M/s | cold/quantecon | quantecon: success |",
+        "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |",
     ]
     data = []
     for name, family in FAMILIES.items():
@@ -135,6 +136,7 @@ def synthetic(peer, count, repeats):
                 "cold": lambda A=A, q=q, sols=sols: lcpstar.solve_batch(A, q, threads=1, out=sols),
                 "warm": lambda A=A, q=q, sols=sols: lcpstar.solve_batch(A, q, threads=1, alpha0=sols.alpha, out=sols),
                 "fresh": lambda A=A, q=q: lcpstar.solve_batch(A, q, threads=1),
+                "sum": A.sum,
             }
             claimed = float("nan")
             if peer:
@@ -145,7 +147,8 @@ def synthetic(peer, count, repeats):
             beside = rate.get("quantecon", float("nan"))
             lines.append(
                 f"| {name} | {n} | {rate['cold']:.3f} | {rate['warm']:.3f} | {rate['warm'] / rate['cold']:.1f} "
-                f"| {rate['fresh']:.3f} | {beside:.3f} | {rate['cold'] / beside:.1f} | {100 * claimed:.2f} % |"
+                f"| {rate['fresh']:.3f} | {rate['sum']:.1f} "
+                f"| {beside:.3f} | {rate['cold'] / beside:.1f} | {100 * claimed:.2f} % |"
             )
             print(lines[-1], flush=True)
             data.append({"family": name, "n": n, "count": k, "rate": rate})

@@ -1,5 +1,5 @@
-"""What one call of `lcpstar.solve` costs from Python, beside QuantEcon's `lcp_lemke`, and how calls in two threads
-scale: `python benches/call.py`."""
+"""What one call of `lcpstar.solve` costs from Python, beside QuantEcon's `lcp_lemke`, one of `solve_batch` for a few
+problems, and how calls in two threads scale: `python benches/call.py`."""
 
 from __future__ import annotations
 
@@ -47,6 +47,29 @@ def two_threads() -> tuple[str, list[dict[str, float | int]]]:
     return "\n".join(lines), data
 
 
+def small_batches() -> tuple[str, list[dict[str, object]]]:
+    """What one call of `solve_batch` costs for a few problems, threads as by default."""
+    lines = ["| random_pd, n | problems | solve_batch | with `out=` | as many calls of solve |"]
+    lines.append("| --- | --- | --- | --- | --- |")
+    data: list[dict[str, object]] = []
+    for n in (4, 8, 12):
+        for count in (1, 16, 128):
+            problems = [random_pd(n, seed=seed) for seed in range(count)]
+            A, q = (np.stack(arrays) for arrays in zip(*problems, strict=True))
+            sols = lcpstar.solve_batch(A, q)
+            assert sols.success.all()
+            times = seconds_per_call(
+                {
+                    "batch": lambda A=A, q=q: lcpstar.solve_batch(A, q),
+                    "out": lambda A=A, q=q, sols=sols: lcpstar.solve_batch(A, q, out=sols),
+                    "calls": lambda problems=problems: [lcpstar.solve(A, q) for A, q in problems],
+                }
+            )
+            lines.append(f"| {n} | {count} | " + " | ".join(f"{1e6 * t:.1f} us" for t in times.values()) + " |")
+            data.append({"n": n, "count": count, "times": times})
+    return "\n".join(lines), data
+
+
 def main() -> None:
     peers = available(["quantecon"])
     lines = ["| problem | n | lcpstar.solve | quantecon lcp_lemke | ratio |", "| --- | --- | --- | --- | --- |"]
@@ -64,13 +87,15 @@ def main() -> None:
                 f"| {family.__name__} | {n} | {1e6 * ours:.2f} us | {1e6 * beside:.2f} us | {beside / ours:.2f} |"
             )
             data.append({"family": family.__name__, "n": n, "times": times})
+    batches, batch_data = small_batches()
     threads, thread_data = two_threads()
     body = (
-        "\n".join(lines) + "\n\n## Two threads of one interpreter\n\n"
+        "\n".join(lines) + f"\n\n## Small batches\n\n{batches}" + "\n\n## Two threads of one interpreter\n\n"
         "Wall clock, on two cores. Up to n = 16 a call holds the interpreter's lock: it takes less time than handing "
         f"the lock over would; `solve_batch` is for those.\n\n{threads}"
     )
-    write_record("call", "One call of solve", "python benches/call.py", body, {"calls": data, "threads": thread_data})
+    records = {"calls": data, "batches": batch_data, "threads": thread_data}
+    write_record("call", "One call of solve", "python benches/call.py", body, records)
 
 
 if __name__ == "__main__":

@@ -21,6 +21,20 @@ _METHODS = np.array(_core.batch_methods(), dtype=object)
 Floats = NDArray[np.float64]
 Reals = NDArray[np.float64] | NDArray[np.float32]
 Guess = NDArray[np.uint64] | NDArray[np.bool_] | NDArray[np.float64]
+_Arrays = tuple[
+    Floats,
+    Floats,
+    NDArray[np.uint8],
+    NDArray[np.uint8],
+    NDArray[np.uint32],
+    Floats,
+    Floats,
+    NDArray[np.uint64] | NDArray[np.bool_],
+]
+
+# Instances, because they are quicker to compare with than the types.
+_DOUBLE, _CODE, _COUNT = np.dtype(np.float64), np.dtype(np.uint8), np.dtype(np.uint32)
+_MASK, _FLAG = np.dtype(np.uint64), np.dtype(np.bool_)
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,6 +59,19 @@ class BatchSolution:
     natural_residual: Floats
     alpha: NDArray[np.uint64] | NDArray[np.bool_]
     offsets: NDArray[np.intp] | None = None
+
+    def _arrays(self) -> _Arrays:
+        """All arrays but `offsets`, in their order."""
+        return (
+            self.z,
+            self.w,
+            self.status_code,
+            self.method_code,
+            self.iterations,
+            self.residual,
+            self.natural_residual,
+            self.alpha,
+        )
 
     @property
     def success(self) -> NDArray[np.bool_]:
@@ -128,9 +155,9 @@ def solve_batch(
 
     Notes
     -----
-    Up to n = 32 eight or sixteen problems share the registers of one core: all supports by minors (n <= 3), Newton's
-    method on min(z, w), which is block principal pivoting, for matrices with a positive diagonal, then Lemke's method
-    (n <= 24) for what that leaves; up to n = 192 Lemke's method, one problem at a time; then the portfolio of `solve`.
+    Eight or sixteen problems share the registers of one core: all supports by minors (n <= 3), Newton's method on
+    min(z, w), which is block principal pivoting, for matrices with a positive diagonal (n <= 20), then Lemke's method
+    (n <= 12) for what that leaves; up to n = 192 Lemke's method, one problem at a time; then the portfolio of `solve`.
     Every answer is verified from the given numbers with room for rounding; what fails is handed on, never dropped.
     Nothing is allocated per problem before the last stage. The interpreter is released. [CPS92] secs. 4.4, 5.8.
 
@@ -222,21 +249,21 @@ def _uniform(
     n = A.shape[-1]
     if q.ndim < 1 or q.shape[-1] != n:
         raise ShapeError(f"q must have shape (..., {n}) to fit A of shape {A.shape}, got {q.shape}")
-    try:
-        lead = np.broadcast_shapes(A.shape[:-2], q.shape[:-1])
-    except ValueError as error:
-        raise ShapeError(f"leading axes of A {A.shape} and q {q.shape} do not broadcast") from error
-    count = math.prod(lead)
+    lead = A.shape[:-2]
+    if lead != q.shape[:-1]:
+        try:
+            lead = np.broadcast_shapes(lead, q.shape[:-1])
+        except ValueError as error:
+            raise ShapeError(f"leading axes of A {A.shape} and q {q.shape} do not broadcast") from error
     guess = _guess(z0, alpha0, lead, n)
     sols = _results(out, lead, (*lead, n), masks=n <= 64)
     if out is not None and guess is not None and any(np.may_share_memory(guess, x) for x in (out.z, out.alpha)):
         guess = guess.copy()
-    flat = (count, n)
     _core.solve_batch(
         n,
-        _blocks(A, count, n * n),
-        _blocks(q, count, n),
-        count,
+        _contiguous(A),
+        _contiguous(q),
+        math.prod(lead),
         _map(A.shape[:-2], lead),
         _map(q.shape[:-1], lead),
         options.method,
@@ -244,16 +271,7 @@ def _uniform(
         options.threads,
         guess,
         options.polish,
-        (
-            sols.z.reshape(flat),
-            sols.w.reshape(flat),
-            sols.status_code.reshape(count),
-            sols.method_code.reshape(count),
-            sols.iterations.reshape(count),
-            sols.residual.reshape(count),
-            sols.natural_residual.reshape(count),
-            sols.alpha.reshape(count if n <= 64 else flat),
-        ),
+        sols._arrays(),
     )
     return sols
 
@@ -267,21 +285,21 @@ def _results(
 ) -> BatchSolution:
     """`out` if it fits, else new arrays: `lead` is the shape of a number per problem, `points` that of z."""
     layout = {
-        "z": (points, np.float64),
-        "w": (points, np.float64),
-        "status_code": (lead, np.uint8),
-        "method_code": (lead, np.uint8),
-        "iterations": (lead, np.uint32),
-        "residual": (lead, np.float64),
-        "natural_residual": (lead, np.float64),
-        "alpha": (lead, np.uint64) if masks else (points, np.bool_),
+        "z": (points, _DOUBLE),
+        "w": (points, _DOUBLE),
+        "status_code": (lead, _CODE),
+        "method_code": (lead, _CODE),
+        "iterations": (lead, _COUNT),
+        "residual": (lead, _DOUBLE),
+        "natural_residual": (lead, _DOUBLE),
+        "alpha": (lead, _MASK) if masks else (points, _FLAG),
     }
     if out is None:
         return BatchSolution(**{name: np.empty(*kind) for name, kind in layout.items()}, offsets=offsets)
     for name, (shape, dtype) in layout.items():
         array = getattr(out, name)
         if array.shape != shape or array.dtype != dtype or not array.flags.c_contiguous:
-            wanted, given = f"{np.dtype(dtype)} of shape {shape}", f"{array.dtype} of {array.shape}"
+            wanted, given = f"{dtype} of shape {shape}", f"{array.dtype} of {array.shape}"
             raise ShapeError(f"out.{name} must be C-contiguous {wanted}, got {given}")
     same = out.offsets is offsets if out.offsets is None or offsets is None else np.array_equal(out.offsets, offsets)
     if not same:
@@ -289,17 +307,14 @@ def _results(
     return out
 
 
-def _blocks(array: Reals, count: int, length: int) -> Reals:
-    """One block of `length` numbers per row, contiguous."""
-    if not array.size:
-        return np.zeros((count, length))
-    return cast("Reals", np.ascontiguousarray(array).reshape(-1, length))
+def _contiguous(array: Reals) -> Reals:
+    return cast("Reals", np.ascontiguousarray(array))
 
 
 def _map(own: tuple[int, ...], lead: tuple[int, ...]) -> NDArray[np.uintp] | None:
     """Which block of an array of leading shape `own` each problem reads; None: its own, or the only one."""
     blocks = math.prod(own)
-    if blocks == 1 or blocks == math.prod(lead):
+    if own == lead or blocks == 1 or blocks == math.prod(lead):
         return None
     return np.ascontiguousarray(np.broadcast_to(np.arange(blocks, dtype=np.uintp).reshape(own), lead)).ravel()
 
@@ -307,19 +322,21 @@ def _map(own: tuple[int, ...], lead: tuple[int, ...]) -> NDArray[np.uintp] | Non
 def _guess(z0: Any, alpha0: ArrayLike | None, lead: tuple[int, ...], n: int) -> Guess | None:
     if z0 is not None:
         points = as_real("z0", z0)
-        return np.ascontiguousarray(_broadcast("z0", points, (*lead, n))).reshape(-1, n)
+        return np.ascontiguousarray(_broadcast("z0", points, (*lead, n)))
     if alpha0 is None:
         return None
     alpha = np.asarray(alpha0)
     if alpha.dtype == np.bool_:
-        return np.ascontiguousarray(_broadcast("alpha0", alpha, (*lead, n))).reshape(-1, n)
+        return np.ascontiguousarray(_broadcast("alpha0", alpha, (*lead, n)))
     if alpha.dtype.kind not in "iu" or n > 64:
         raise ShapeError(f"alpha0 must be booleans (..., {n}), or bit masks for n <= 64; got dtype {alpha.dtype}")
     masks = alpha.astype(np.uint64, copy=False)
-    return np.ascontiguousarray(_broadcast("alpha0", masks, lead)).ravel()
+    return np.ascontiguousarray(_broadcast("alpha0", masks, lead))
 
 
 def _broadcast(name: str, array: NDArray[Any], shape: tuple[int, ...]) -> NDArray[Any]:
+    if array.shape == shape:
+        return array
     try:
         return np.broadcast_to(array, shape)
     except ValueError as error:

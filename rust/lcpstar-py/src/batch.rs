@@ -2,11 +2,7 @@
 
 use lcpstar::batch::{self, Alpha, Guess, METHODS, Numbers, Output, Problems, Settings, Source};
 use lcpstar::driver::Method;
-use numpy::ndarray::{Dimension, Ix1, Ix2};
-use numpy::{
-    Element, PyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyReadwriteArray,
-    PyUntypedArrayMethods,
-};
+use numpy::{Element, PyArrayDyn, PyArrayMethods, PyReadonlyArray1, PyReadonlyArrayDyn, PyReadwriteArrayDyn};
 use pyo3::prelude::*;
 
 use crate::errors::{Signals, enter_core, raise, to_python};
@@ -14,16 +10,16 @@ use crate::errors::{Signals, enter_core, raise, to_python};
 /// A guess of the supports, in one of three forms.
 #[derive(FromPyObject)]
 pub enum GuessArray<'py> {
-    Masks(PyReadonlyArray1<'py, u64>),
-    Flags(PyReadonlyArray2<'py, bool>),
-    Points(PyReadonlyArray2<'py, f64>),
+    Masks(PyReadonlyArrayDyn<'py, u64>),
+    Flags(PyReadonlyArrayDyn<'py, bool>),
+    Points(PyReadonlyArrayDyn<'py, f64>),
 }
 
 /// A block per problem, row-major, in one of two precisions.
 #[derive(FromPyObject)]
 pub enum Blocks<'py> {
-    Double(PyReadonlyArray2<'py, f64>),
-    Single(PyReadonlyArray2<'py, f32>),
+    Double(PyReadonlyArrayDyn<'py, f64>),
+    Single(PyReadonlyArrayDyn<'py, f32>),
 }
 
 impl Blocks<'_> {
@@ -34,46 +30,43 @@ impl Blocks<'_> {
         })
     }
 
-    fn count(&self) -> usize {
-        match self {
-            Self::Double(x) => x.shape()[0],
-            Self::Single(x) => x.shape()[0],
-        }
+    /// Which block of `length` numbers belongs to problem k.
+    fn source<'a>(&self, length: usize, map: Option<&'a PyReadonlyArray1<'_, usize>>) -> PyResult<Source<'a>> {
+        let numbers = match self {
+            Self::Double(x) => x.as_slice()?.len(),
+            Self::Single(x) => x.as_slice()?.len(),
+        };
+        Ok(match map {
+            Some(map) => Source::Mapped(map.as_slice()?),
+            None if numbers == length => Source::One,
+            None => Source::Each,
+        })
     }
-}
-
-/// Which block of an array belongs to problem k.
-fn source<'a>(map: Option<&'a PyReadonlyArray1<'_, usize>>, blocks: usize, count: usize) -> PyResult<Source<'a>> {
-    Ok(match map {
-        Some(map) => Source::Mapped(map.as_slice()?),
-        None if blocks == 1 && count != 1 => Source::One,
-        None => Source::Each,
-    })
 }
 
 /// Supports as masks (n <= 64) or flags.
 #[derive(FromPyObject)]
 pub enum SupportArray<'py> {
-    Masks(Bound<'py, PyArray1<u64>>),
-    Flags(Bound<'py, PyArray2<bool>>),
+    Masks(Bound<'py, PyArrayDyn<u64>>),
+    Flags(Bound<'py, PyArrayDyn<bool>>),
 }
 
 /// The arrays of [`Output`], in its order, C-contiguous.
 type Results<'py> = (
-    Bound<'py, PyArray2<f64>>,
-    Bound<'py, PyArray2<f64>>,
-    Bound<'py, PyArray1<u8>>,
-    Bound<'py, PyArray1<u8>>,
-    Bound<'py, PyArray1<u32>>,
-    Bound<'py, PyArray1<f64>>,
-    Bound<'py, PyArray1<f64>>,
+    Bound<'py, PyArrayDyn<f64>>,
+    Bound<'py, PyArrayDyn<f64>>,
+    Bound<'py, PyArrayDyn<u8>>,
+    Bound<'py, PyArrayDyn<u8>>,
+    Bound<'py, PyArrayDyn<u32>>,
+    Bound<'py, PyArrayDyn<f64>>,
+    Bound<'py, PyArrayDyn<f64>>,
     SupportArray<'py>,
 );
 
 /// The same while they are written.
 enum Supports<'py> {
-    Masks(PyReadwriteArray<'py, u64, Ix1>),
-    Flags(PyReadwriteArray<'py, bool, Ix2>),
+    Masks(PyReadwriteArrayDyn<'py, u64>),
+    Flags(PyReadwriteArrayDyn<'py, bool>),
 }
 
 impl<'py> SupportArray<'py> {
@@ -95,15 +88,16 @@ impl Supports<'_> {
 }
 
 /// An array to write to that nobody else reads or writes.
-fn own<'py, T: Element, D: Dimension>(array: &Bound<'py, PyArray<T, D>>) -> PyResult<PyReadwriteArray<'py, T, D>> {
+fn own<'py, T: Element>(array: &Bound<'py, PyArrayDyn<T>>) -> PyResult<PyReadwriteArrayDyn<'py, T>> {
     array.try_readwrite().map_err(|_| {
         let message = "out must hold writable arrays that share no memory with A, q or a batch under way";
         raise(array.py(), "OptionError", message)
     })
 }
 
-/// Solves `count` problems of order `n`; `a` and `q` hold one block per row, `n * n` and `n` numbers, C-contiguous. Every number of
-/// `results` is written, unless an exception is raised.
+/// Solves `count` problems of order `n`. All arrays are C-contiguous and have any shape: `a` and `q` hold blocks of `n * n` and `n`
+/// numbers, one for each problem, one for all, or as the maps say. Every number of `results` is written, unless an exception is
+/// raised.
 #[pyfunction]
 #[pyo3(signature = (n, a, q, count, a_map, q_map, method, tol, threads, guess, polish, results))]
 pub fn solve_batch<'py>(
@@ -125,9 +119,9 @@ pub fn solve_batch<'py>(
         n,
         count,
         a: a.numbers()?,
-        a_source: source(a_map.as_ref(), a.count(), count)?,
+        a_source: a.source(n * n, a_map.as_ref())?,
         q: q.numbers()?,
-        q_source: source(q_map.as_ref(), q.count(), count)?,
+        q_source: q.source(n, q_map.as_ref())?,
     };
     let guess = match &guess {
         None => Guess::None,

@@ -4,7 +4,7 @@ use super::io::{Output, Problems, Settings};
 use super::work::{Chunk, work};
 use crate::error::{LcpError, Result};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, OnceLock, PoisonError};
 
 /// Numbers of `A` in one chunk, about: enough to make taking a chunk cheap, few enough to share the work evenly.
 const CHUNK_NUMBERS: usize = 16_384;
@@ -44,8 +44,8 @@ pub fn solve_batch(problems: &Problems<'_>, settings: &Settings<'_>, output: Out
         queue.lock().unwrap_or_else(PoisonError::into_inner).next()
     };
     let threads = match settings.threads {
-        0 => std::thread::available_parallelism().map_or(1, usize::from),
-        threads => threads,
+        0 if chunks > 1 => cores(),
+        threads => threads.max(1),
     };
     let helpers = threads.min(chunks).saturating_sub(1);
     let run = || {
@@ -64,6 +64,12 @@ pub fn solve_batch(problems: &Problems<'_>, settings: &Settings<'_>, output: Out
         })
     })?;
     Ok(!stopped.load(Ordering::Relaxed))
+}
+
+/// Cores for this process. The system is asked once: it takes longer to answer than a small batch takes.
+fn cores() -> usize {
+    static CORES: OnceLock<usize> = OnceLock::new();
+    *CORES.get_or_init(|| std::thread::available_parallelism().map_or(1, usize::from))
 }
 
 /// The error of the problem that comes first in the batch. Chunks are taken in order, so every problem before it was

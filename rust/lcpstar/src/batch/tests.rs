@@ -1,11 +1,14 @@
 //! One wheel for every machine: whole batches on every kind of lane that this one has.
 
 use super::io::{Alpha, Guess, Numbers, Output, Problems, Settings, Source};
+use super::schedule::solve_batch;
 use super::work::{Chunk, ENUMERATE, LEMKE, NEWTON, run};
 use crate::driver::Method;
 use crate::small::lane::{F32x8, F64x8, Lane, Pair};
 use crate::status::Status;
+use std::collections::HashSet;
 use std::sync::{Mutex, PoisonError};
+use std::thread::ThreadId;
 
 /// Everything that a batch writes.
 #[derive(Clone, Debug, PartialEq)]
@@ -150,4 +153,39 @@ fn every_kind_of_lane_finds_the_same_bits() {
     for method in [NEWTON, LEMKE, ENUMERATE] {
         assert!(methods[usize::from(method)] > 100, "{methods:?}");
     }
+}
+
+/// The threads on which a batch of so many problems of order 8 was solved, by as many as there are cores.
+fn threads_of_a_batch(count: usize) -> HashSet<ThreadId> {
+    let (a, q) = problems(8, count);
+    let problems = Problems {
+        n: 8,
+        count,
+        a: Numbers::Double(&a),
+        a_source: Source::Each,
+        q: Numbers::Double(&q),
+        q_source: Source::Each,
+    };
+    let seen = Mutex::new(HashSet::new());
+    let note = || {
+        seen.lock().unwrap_or_else(PoisonError::into_inner).insert(std::thread::current().id());
+        false
+    };
+    let settings = Settings {
+        method: &Method::Auto,
+        tol: 1e-9,
+        threads: 0,
+        guess: Guess::None,
+        polish: true,
+        interrupted: Some(&note),
+    };
+    assert!(solve_batch(&problems, &settings, Results::new(8, count).output()).expect("finite numbers"));
+    seen.into_inner().unwrap_or_else(PoisonError::into_inner)
+}
+
+#[test]
+fn a_small_batch_stays_on_its_thread() {
+    assert_eq!(threads_of_a_batch(200), HashSet::from([std::thread::current().id()]));
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    assert_eq!(threads_of_a_batch(20_000).len() > 1, cores > 1);
 }
