@@ -30,7 +30,7 @@ fn faer(bencher: Bencher<'_, '_>, n: usize) {
 }
 
 /// Orders of principal blocks.
-const BLOCKS: [usize; 6] = [16, 32, 64, 128, 256, 512];
+const BLOCKS: [usize; 9] = [32, 64, 128, 256, 512, 768, 1024, 1536, 2048];
 
 fn problem(n: usize) -> Lcp {
     let symmetric: Vec<f64> = matrix(n);

@@ -32,7 +32,8 @@ enum Library {
     Lu(DenseLu),
 }
 
-/// Order from which a library's factorisation, which also blocks for the second cache, is the faster.
+/// Order from which a library factors: its loops also block for the second cache. Where that begins to pay depends on the machine, see
+/// `benches/record/backend.md`.
 const LIBRARY_FROM: usize = 600;
 /// A Cholesky pivot below `FLOOR |alpha|` of its diagonal entry is rounding error: the block is not positive definite.
 const FLOOR: f64 = 4.0 * f64::EPSILON;
