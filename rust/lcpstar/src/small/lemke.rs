@@ -8,7 +8,7 @@ use super::ahead::Ahead;
 use super::covering::Covering;
 use super::lane::Lane;
 use super::ratio::{first_to_reach_zero, last_to_become_nonnegative};
-use super::tableau::{Exchange, Tableau, WIDTH, at, put};
+use super::tableau::{Tableau, WIDTH, at, put};
 use super::verify::{Judged, is_small_when_equilibrated, verify_one};
 
 /// What came of a run.
@@ -141,31 +141,43 @@ impl<X: Lane<Number = f64>> Lemke<X> {
         if !self.tableau.load(a, q, covering) {
             return Stop::Limit;
         }
-        let (covering, values) = (self.tableau.covering(), self.tableau.values());
+        let (covering, values) = (self.tableau.covering(), self.tableau.values::<0>());
         let Some(row) = last_to_become_nonnegative(covering, values, &mut self.ratio) else {
             return Stop::Basis;
         };
-        self.tableau.drive(2 * self.n);
+        // The compiler is told how wide columns are.
         match self.n.div_ceil(WIDTH) {
-            1 => self.pivot_narrow::<1>(row, ahead),
-            2 => self.pivot_narrow::<2>(row, ahead),
-            3 => self.pivot_narrow::<3>(row, ahead),
-            4 => self.pivot_narrow::<4>(row, ahead),
-            5 => self.pivot_narrow::<5>(row, ahead),
-            6 => self.pivot_narrow::<6>(row, ahead),
-            7 => self.pivot_narrow::<7>(row, ahead),
-            8 => self.pivot_narrow::<8>(row, ahead),
-            _ => pivot(&mut self.tableau, self.n, row, &mut self.ratio, &mut self.pivots, ahead),
+            1 => self.pivot::<1>(row, ahead),
+            2 => self.pivot::<2>(row, ahead),
+            3 => self.pivot::<3>(row, ahead),
+            4 => self.pivot::<4>(row, ahead),
+            _ => self.pivot::<0>(row, ahead),
         }
     }
 
-    /// With columns of `W` vectors.
+    /// z_0 drives, blocked by `row`; then the complement of what left, until that is z_0. `W` vectors per column, 0 if not known.
     #[inline(always)]
-    fn pivot_narrow<const W: usize>(&mut self, row: usize, ahead: &mut Ahead) -> Stop {
-        let mut narrow = self.tableau.narrow::<W>();
-        let stop = pivot(&mut narrow, self.n, row, &mut self.ratio, &mut self.pivots, ahead);
-        narrow.finish();
-        stop
+    fn pivot<const W: usize>(&mut self, mut row: usize, ahead: &mut Ahead) -> Stop {
+        let (n, tableau) = (self.n, &mut self.tableau);
+        let (z0, limit) = (2 * n, self.pivots + PIVOTS_PER_ROW * n.min(PATIENT_UP_TO));
+        tableau.drive::<W>(z0);
+        loop {
+            let leaving = tableau.exchange::<W>(row);
+            ahead.step();
+            self.pivots += 1;
+            if leaving == z0 {
+                return Stop::Basis;
+            }
+            if self.pivots >= limit {
+                return Stop::Limit;
+            }
+            tableau.drive::<W>(if leaving < n { leaving + n } else { leaving - n });
+            let (column, values) = (tableau.driving_column::<W>(), tableau.values::<W>());
+            match first_to_reach_zero(column, values, &mut self.ratio, tableau.row_of(z0)) {
+                Some(blocking) => row = blocking,
+                None => return Stop::Ray,
+            }
+        }
     }
 
     /// Puts the basic z's in place, negative rounding set to zero, and judges them; `w = A z + q` as computed.
@@ -173,7 +185,7 @@ impl<X: Lane<Number = f64>> Lemke<X> {
     fn refined(&mut self, a: &[f64], q: &[f64], w: &mut [f64], tol: f64) -> Judged {
         self.z.fill(X::splat(0.0));
         for (i, j) in self.tableau.basic_z() {
-            put(&mut self.z, j, at(self.tableau.values(), i).max(0.0));
+            put(&mut self.z, j, at(self.tableau.values::<0>(), i).max(0.0));
         }
         let mut judged = self.judge(a, q, w, tol);
         for _ in 0..REFINEMENTS {
@@ -209,35 +221,6 @@ impl<X: Lane<Number = f64>> Lemke<X> {
     #[inline(always)]
     pub fn basis(&self) -> impl Iterator<Item = usize> {
         self.tableau.basic_z().map(|(_, j)| j)
-    }
-}
-
-/// z_0 drives, blocked by `row`; then the complement of what left, until that is z_0. O(n^2) a pivot.
-#[inline(always)]
-fn pivot<X: Lane<Number = f64>>(
-    tableau: &mut impl Exchange<X>,
-    n: usize,
-    mut row: usize,
-    ratio: &mut [X],
-    pivots: &mut usize,
-    ahead: &mut Ahead,
-) -> Stop {
-    let (z0, limit) = (2 * n, *pivots + PIVOTS_PER_ROW * n.min(PATIENT_UP_TO));
-    loop {
-        let leaving = tableau.exchange(row);
-        ahead.step();
-        *pivots += 1;
-        if leaving == z0 {
-            return Stop::Basis;
-        }
-        if *pivots >= limit {
-            return Stop::Limit;
-        }
-        tableau.drive(if leaving < n { leaving + n } else { leaving - n });
-        match first_to_reach_zero(tableau.driving_column(), tableau.values(), ratio, tableau.row_of(z0)) {
-            Some(blocking) => row = blocking,
-            None => return Stop::Ray,
-        }
     }
 }
 

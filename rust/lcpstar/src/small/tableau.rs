@@ -2,9 +2,8 @@
 //!
 //! `basic_i = value_i + sum_j t_ij nonbasic_j`: n rows, and n + 1 columns kept as vectors, in which a pivot exchanges one
 //! variable of each kind. Rows that depend on others keep doing so, because all of them see the same row operations; what is
-//! computed from an inverse of the basic block shows its errors there as small pivots.
-
-mod narrow;
+//! computed from an inverse of the basic block shows its errors there as small pivots. Yet a column sees the pivots when it is
+//! needed, not before.
 
 use super::covering::Covering;
 use super::lane::{BLOCK, Lane, Mask};
@@ -12,11 +11,9 @@ use super::lane::{BLOCK, Lane, Mask};
 /// Numbers per column are padded to a multiple of this.
 pub(super) const WIDTH: usize = 8;
 
-/// Pivots that columns wait for, to be brought near once for all of them.
-const DELAY: usize = 8;
-
-/// Columns that all late pivots reach before the next ones.
-const GROUP: usize = 8;
+/// Late pivots per row of the problem after which every column sees them. A pivot needs one column, which catches up with those since it
+/// drove last: with k pivots, `k^2 / 2` steps of O(n) at most, where all columns at every pivot take `(n + 1) k`.
+const LATE_PER_ROW: usize = 2;
 
 /// A value that cancels to less than this part of itself is rounding error, and zero.
 pub(crate) const NOISE: f64 = 1e-14;
@@ -44,27 +41,11 @@ pub struct Tableau<X> {
     place: Vec<usize>,
 }
 
-/// A tableau that is exchanged.
-pub trait Exchange<X> {
-    /// The variable that drives from now on, one that is not basic.
-    fn drive(&mut self, variable: usize);
-    /// The driving variable becomes basic in row r; the one that leaves. O(n^2).
-    fn exchange(&mut self, r: usize) -> usize;
-    /// How the basic variables change as the driving one grows, by row.
-    fn driving_column(&self) -> &[X];
-    /// The basic variables, by row.
-    fn values(&self) -> &[X];
-    /// The row of a variable, if it is basic.
-    fn row_of(&self, variable: usize) -> Option<usize>;
-}
-
 /// What a pivot in row r with driving column c does to the others: with `p = -t_r / c_r`, column t becomes `t + p c`, and p in
 /// row r.
 #[derive(Clone, Copy)]
 struct Pivot {
     r: usize,
-    /// The column of the variable that left.
-    own: usize,
     /// `-1 / c_r`.
     factor: f64,
 }
@@ -72,12 +53,13 @@ struct Pivot {
 impl Pivot {
     #[inline(always)]
     fn apply<X: Lane<Number = f64>>(self, c: &[X], t: &mut [X]) {
-        let p = at(t, self.r) * self.factor;
-        let factor = X::splat(p);
+        let (p, b) = (X::splat(at(t, self.r) * self.factor), self.r / WIDTH);
+        // A whole vector, because one that was just written to in part is slow to read.
+        let own = p.or_else(is_number::<X>(self.r, b), t[b].add_product(c[b], p));
         for (t, c) in t.iter_mut().zip(c) {
-            *t = t.add_product(*c, factor);
+            *t = t.add_product(*c, p);
         }
-        put(t, self.r, p);
+        t[b] = own;
     }
 
     /// The same for the basic variables; what cancels is rounding error, and zero.
@@ -151,8 +133,8 @@ impl<X: Lane<Number = f64>> Tableau<X> {
             self.width = width;
             self.t.resize((n + 1) * width, zero);
             self.value.resize(width, zero);
-            self.driving.resize(DELAY * width, zero);
-            self.late.reserve(DELAY);
+            self.driving.resize(LATE_PER_ROW * n * width, zero);
+            self.late.reserve(LATE_PER_ROW * n);
             self.seen.resize(n + 1, 0);
             self.basic.resize(n, 0);
             self.place.resize(2 * n + 1, 0);
@@ -205,67 +187,68 @@ impl<X: Lane<Number = f64>> Tableau<X> {
         self.basic.iter().enumerate().filter(|(_, v)| **v >= self.n).map(|(i, v)| (i, v - self.n))
     }
 
-    /// Late pivots reach every column, in groups that stay near: a vector that was just written to in part is slow to read.
+    /// Column j sees the late pivots. O(n) for each that it has missed.
     #[inline(always)]
-    fn catch_up(&mut self) {
-        let width = self.width;
-        for (group, seen) in self.t.chunks_mut(GROUP * width).zip(self.seen.chunks_mut(GROUP)) {
-            for (k, (pivot, c)) in self.late.iter().zip(self.driving.chunks_exact(width)).enumerate() {
-                for (t, seen) in group.chunks_exact_mut(width).zip(&*seen) {
-                    if *seen <= k {
-                        pivot.apply(c, t);
-                    }
-                }
-            }
-            seen.fill(0);
-        }
-        self.late.clear();
+    fn catch_up(&mut self, j: usize) {
+        let (width, seen) = (self.width, self.seen[j]);
+        apply_all::<X, 0>(&self.late[seen..], &self.driving[seen * width..], &mut self.t[j * width..(j + 1) * width]);
+        self.seen[j] = self.late.len();
     }
 
     /// `step_i = sum_j t_ij w_j` and `size_i = sum_j |t_ij q_j|`, over the nonbasic `w_j` whose `z_j` is basic: in the rows of
     /// those, `A_aa^-1 w_a` and `|A_aa^-1| |q_a|`.
     #[inline(always)]
     pub fn times_inverse(&mut self, w: &[f64], q: &[f64], step: &mut [X], size: &mut [X]) {
-        self.catch_up();
         step.fill(X::splat(0.0));
         size.fill(X::splat(0.0));
-        for (_, j) in self.basic_z() {
-            let first = self.place[j] * self.width;
+        for i in 0..self.n {
+            let Some(j) = self.basic[i].checked_sub(self.n) else {
+                continue;
+            };
+            let own = self.place[j];
+            self.catch_up(own);
             let (w, q) = (X::splat(w[j]), X::splat(q[j].abs()));
-            let column = &self.t[first..first + self.width];
+            let column = &self.t[own * self.width..(own + 1) * self.width];
             for ((step, size), t) in step.iter_mut().zip(size.iter_mut()).zip(column) {
                 *step = step.add_product(*t, w);
                 *size = size.add_product(t.abs(), q);
             }
         }
     }
-}
 
-impl<X: Lane<Number = f64>> Exchange<X> for Tableau<X> {
+    /// The width of columns: `W` where the compiler is told it, else 0.
     #[inline(always)]
-    fn drive(&mut self, variable: usize) {
-        self.driver = variable;
-        let (width, own) = (self.width, self.place[variable]);
-        let (driven, free) = self.driving.split_at_mut(self.late.len() * width);
-        let column = &mut free[..width];
-        column.copy_from_slice(&self.t[own * width..(own + 1) * width]);
-        let seen = self.seen[own];
-        for (pivot, c) in self.late[seen..].iter().zip(driven[seen * width..].chunks_exact(width)) {
-            pivot.apply(c, column);
-        }
+    fn width<const W: usize>(&self) -> usize {
+        if W == 0 { self.width } else { W }
     }
 
+    /// The variable that drives from now on, one that is not basic. O(n) for each pivot that its column has missed.
     #[inline(always)]
-    fn exchange(&mut self, r: usize) -> usize {
-        let (width, own, first) = (self.width, self.place[self.driver], self.late.len() * self.width);
+    pub fn drive<const W: usize>(&mut self, variable: usize) {
+        let (width, own) = (self.width::<W>(), self.place[variable]);
+        let (driven, free) = self.driving.split_at_mut(self.late.len() * width);
+        let (seen, column) = (self.seen[own], &mut free[..width]);
+        column.copy_from_slice(&self.t[own * width..(own + 1) * width]);
+        apply_all::<X, W>(&self.late[seen..], &driven[seen * width..], column);
+        self.driver = variable;
+    }
+
+    /// The driving variable becomes basic in row r; the one that leaves. O(n).
+    #[inline(always)]
+    pub fn exchange<const W: usize>(&mut self, r: usize) -> usize {
+        let (width, own, first) = (self.width::<W>(), self.place[self.driver], self.late.len() * self.width::<W>());
         let c = &self.driving[first..first + width];
-        let pivot = Pivot { r, own, factor: -1.0 / at(c, r) };
-        pivot.apply_to_values(c, &mut self.value);
+        let pivot = Pivot { r, factor: -1.0 / at(c, r) };
+        pivot.apply_to_values(c, &mut self.value[..width]);
         pivot.apply_to_own(c, &mut self.t[own * width..(own + 1) * width]);
         self.late.push(pivot);
         self.seen[own] = self.late.len();
-        if self.late.len() == DELAY {
-            self.catch_up();
+        if self.late.len() == LATE_PER_ROW * self.n {
+            for j in 0..=self.n {
+                self.catch_up(j);
+            }
+            self.late.clear();
+            self.seen.fill(0);
         }
         let leaving = self.basic[r];
         self.basic[r] = self.driver;
@@ -274,28 +257,33 @@ impl<X: Lane<Number = f64>> Exchange<X> for Tableau<X> {
         leaving
     }
 
+    /// How the basic variables change as the driving one grows, by row.
     #[inline(always)]
-    fn driving_column(&self) -> &[X] {
-        let first = self.late.len() * self.width;
-        &self.driving[first..first + self.width]
+    pub fn driving_column<const W: usize>(&self) -> &[X] {
+        let (width, late) = (self.width::<W>(), self.late.len());
+        &self.driving[late * width..(late + 1) * width]
     }
 
+    /// The basic variables, by row.
     #[inline(always)]
-    fn values(&self) -> &[X] {
-        &self.value
+    pub fn values<const W: usize>(&self) -> &[X] {
+        &self.value[..self.width::<W>()]
     }
 
+    /// The row of a variable, if it is basic.
     #[inline(always)]
-    fn row_of(&self, variable: usize) -> Option<usize> {
-        basic_row(&self.basic, &self.place, variable)
+    pub fn row_of(&self, variable: usize) -> Option<usize> {
+        let row = self.place[variable];
+        (self.basic.get(row) == Some(&variable)).then_some(row)
     }
 }
 
-/// The row of a variable, if it is basic.
+/// A column sees pivots with driving columns `driven`, one after the other.
 #[inline(always)]
-fn basic_row(basic: &[usize], place: &[usize], variable: usize) -> Option<usize> {
-    let row = place[variable];
-    (basic.get(row) == Some(&variable)).then_some(row)
+fn apply_all<X: Lane<Number = f64>, const W: usize>(pivots: &[Pivot], driven: &[X], column: &mut [X]) {
+    for (pivot, c) in pivots.iter().zip(driven.chunks_exact(if W == 0 { column.len() } else { W })) {
+        pivot.apply(c, column);
+    }
 }
 
 /// Number `i` of a padded vector.
@@ -359,32 +347,32 @@ mod tests {
     }
 
     /// Pivots on both, compared: the k-th for each k of `range`. Every fifth variable that drives has left just before.
-    fn follow<X: Lane<Number = f64>>(tableau: &mut impl Exchange<X>, plain: &mut Plain, range: Range<usize>) {
+    fn follow<X: Lane<Number = f64>, const W: usize>(tableau: &mut Tableau<X>, plain: &mut Plain, range: Range<usize>) {
         let n = plain.basic.len();
         for k in range {
             let variable = if k % 5 == 4 { plain.left } else { plain.nonbasic[(7 * k + 3) % (n + 1)] };
-            tableau.drive(variable);
+            tableau.drive::<W>(variable);
             let s = plain.nonbasic.iter().position(|&v| v == variable).expect("not basic");
             let size = |i: usize| plain.rows[i][s].abs();
             for i in 0..n {
-                let difference = at(tableau.driving_column(), i) - plain.rows[i][s];
+                let difference = at(tableau.driving_column::<W>(), i) - plain.rows[i][s];
                 assert!(difference.abs() <= 1e-9 * (1.0 + size(i)), "n = {n}, pivot {k}, row {i}: {difference}");
             }
             let r = (0..n).max_by(|&i, &j| size(i).total_cmp(&size(j))).expect("a row");
-            assert_eq!(tableau.exchange(r), plain.exchange(r, variable));
+            assert_eq!(tableau.exchange::<W>(r), plain.exchange(r, variable));
             for (i, &variable) in plain.basic.iter().enumerate() {
                 assert_eq!(tableau.row_of(variable), Some(i));
             }
             assert!(plain.nonbasic.iter().all(|&variable| tableau.row_of(variable).is_none()));
             for i in 0..n {
-                let difference = at(tableau.values(), i) - plain.values[i];
+                let difference = at(tableau.values::<W>(), i) - plain.values[i];
                 assert!(difference.abs() <= 1e-9 * (1.0 + plain.values[i].abs()), "n = {n}, pivot {k}, row {i}");
             }
         }
     }
 
-    /// Any sequence of pivots, in columns of one register, of several, and of so many that pivots wait; zeros among the entries.
-    /// Where the compiler is told how wide columns are, the tableau goes on where its narrow view ends.
+    /// Any sequence of pivots, so many that every column has to see them, in columns of one register and of several, of which the
+    /// compiler is told and of which it is not; zeros among the entries.
     #[test]
     fn pivots_are_those_of_plain_rows() {
         let mut tableau = Tableau::<F64x8<false>>::default();
@@ -401,26 +389,15 @@ mod tests {
                 left: 0,
             };
             assert!(tableau.load(&a, &q, Covering::Spread));
-            tableau.drive(2 * n);
-            // Columns drive more than once; the view ends where the variable that left last drives next.
-            let half = (n + 10) / 5 * 5 + 4;
-            let all = half + 25;
-            macro_rules! narrow {
-                ($width:literal) => {{
-                    let mut narrow = tableau.narrow::<$width>();
-                    follow(&mut narrow, &mut plain, 0..half);
-                    narrow.finish();
-                }};
-            }
+            tableau.drive::<0>(2 * n);
+            let (half, all) = ((n + 10) / 5 * 5, LATE_PER_ROW * n + 25);
             match tableau.width {
-                1 => narrow!(1),
-                2 => narrow!(2),
-                4 => narrow!(4),
-                5 => narrow!(5),
-                8 => narrow!(8),
-                _ => follow(&mut tableau, &mut plain, 0..half),
+                1 => follow::<_, 1>(&mut tableau, &mut plain, 0..half),
+                2 => follow::<_, 2>(&mut tableau, &mut plain, 0..half),
+                4 => follow::<_, 4>(&mut tableau, &mut plain, 0..half),
+                _ => follow::<_, 0>(&mut tableau, &mut plain, 0..half),
             }
-            follow(&mut tableau, &mut plain, half..all);
+            follow::<_, 0>(&mut tableau, &mut plain, half..all);
         }
     }
 
