@@ -156,7 +156,7 @@ def solve_batch(
     Notes
     -----
     Eight or sixteen problems share the registers of one core: all supports by minors (n <= 3), Newton's method on
-    min(z, w), which is block principal pivoting, for matrices with a positive diagonal (n <= 20), then Lemke's method
+    min(z, w), which is block principal pivoting, for matrices with a positive diagonal (n <= 16), then Lemke's method
     (n <= 12) for what that leaves; up to n = 192 Lemke's method, one problem at a time; then the portfolio of `solve`.
     Every answer is verified from the given numbers with room for rounding; what fails is handed on, never dropped.
     Nothing is allocated per problem before the last stage. The interpreter is released. [CPS92] secs. 4.4, 5.8.

@@ -18,9 +18,9 @@ use transport::{transpose, widen};
 /// Largest order for which Lemke's method runs in lanes: above, one problem at a time is faster.
 const LEMKE_ORDER: usize = 12;
 
-/// Largest order for which Newton's method, without a guess, is tried. Above, Lemke's method, one problem at a time, costs a third
+/// Largest order for which Newton's method, without a guess, is tried. Above, Lemke's method, one problem at a time, costs a tenth
 /// more where A is regular and a third less where A is singular.
-const NEWTON_ORDER: usize = 20;
+const NEWTON_ORDER: usize = 16;
 
 /// Refinement steps at most.
 const REFINEMENTS: usize = 2;
