@@ -401,6 +401,29 @@ mod tests {
         }
     }
 
+    /// `A_aa step_a = w_a` after the pivots that bring in `z_a`. Asked twice: a column sees each pivot once.
+    #[test]
+    fn the_inverse_of_the_basis_is_in_the_columns_of_what_left() {
+        let (n, k) = (12, 9);
+        let a: Vec<f64> = (0..n * n).map(|e| noise(e) + if e / n == e % n { 4.0 } else { 0.0 }).collect();
+        let w: Vec<f64> = (0..n).map(|i| noise(7 * i + 2)).collect();
+        let mut tableau = Tableau::<F64x8<false>>::default();
+        assert!(tableau.load(&a, &w, Covering::Ones));
+        for j in 0..k {
+            tableau.drive::<0>(n + j);
+            assert_eq!(tableau.exchange::<0>(j), j);
+        }
+        for _ in 0..2 {
+            let (mut step, mut size) = ([F64x8::splat(0.0); 2], [F64x8::splat(0.0); 2]);
+            tableau.times_inverse(&w, &w, &mut step, &mut size);
+            for i in 0..k {
+                let sum = (0..k).map(|j| a[i * n + j] * at(&step, j)).sum::<f64>();
+                assert!((sum - w[i]).abs() <= 1e-14, "row {i}: {sum}, {}", w[i]);
+                assert!(at(&size, i) >= (1.0 - 1e-14) * at(&step, i).abs());
+            }
+        }
+    }
+
     #[test]
     fn numbers_that_are_not_finite_are_seen() {
         let mut tableau = Tableau::<F64x8<false>>::default();
