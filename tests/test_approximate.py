@@ -284,7 +284,7 @@ def test_auto_meets_a_loose_tolerance(family, tol):
 
 
 def test_auto_takes_a_matrix_for_symmetric_that_is_so_up_to_rounding():
-    A, q = problems.sphere_pile(40, seed=0)
+    A, q = problems.sphere_pile(80, seed=0)
     rounded = A * (1 + 1e-15 * np.random.default_rng(0).standard_normal(A.shape))
     assert {lcpstar.solve(M, q, tol=1e-3).method for M in (A, rounded)} <= {"nncg", "pgs_sm"}
     assert lcpstar.solve(A, q).method not in ("nncg", "pgs_sm")

@@ -1,6 +1,5 @@
 //! The kernel for small problems in front of the portfolio of `"auto"`.
 
-use super::anytime::LOOSE;
 use super::pieces::{self, subproblem};
 use super::portfolio::SHIFT;
 use super::{Certify, Method, Settings, check_common, doubt, support};
@@ -27,9 +26,6 @@ pub(super) fn solve(lcp: &Lcp, settings: &Settings, control: &Control<'_>) -> Op
             return None;
         }
         return from_guess(lcp, settings).or_else(|| solve(lcp, &Settings { z0: None, ..settings.clone() }, control));
-    }
-    if n > KERNEL_FIRST_UP_TO && settings.tol >= LOOSE {
-        return None;
     }
     match presolve::plan(lcp) {
         None => solve_part(lcp, settings, control),
