@@ -14,7 +14,7 @@ use crate::solution::{Candidate, Solution};
 use crate::status::{Status, Termination};
 
 /// From this `tol` on, an approximate answer may be all that is asked for.
-pub(super) const LOOSE: f64 = 1e-6;
+const LOOSE: f64 = 1e-6;
 /// They go on while their rate promises the goal within `max(40, n / 8)` sweeps: beyond that pivoting costs less.
 const WORTHWHILE: (usize, usize) = (40, 8);
 /// Sweeps between two looks at their rate, the first after twice as many.

@@ -36,6 +36,16 @@ fn transpose_ymm([a, b, c, d]: [__m256d; 4]) -> [__m256d; 4] {
     }
 }
 
+/// The sum, largest or smallest of the lanes: upper half with lower half, again and again.
+macro_rules! fold_ymm {
+    ($x:expr, $instruction:ident) => {
+        unsafe {
+            let two = $instruction(_mm256_castpd256_pd128($x), _mm256_extractf128_pd::<1>($x));
+            _mm_cvtsd_f64($instruction(two, _mm_unpackhi_pd(two, two)))
+        }
+    };
+}
+
 impl Lane for Ymm {
     type Index = Places<4>;
 
@@ -126,24 +136,15 @@ impl Lane for Ymm {
     }
     #[inline(always)]
     fn sum(self) -> f64 {
-        unsafe {
-            let two = _mm_add_pd(_mm256_castpd256_pd128(self.0), _mm256_extractf128_pd::<1>(self.0));
-            _mm_cvtsd_f64(_mm_add_pd(two, _mm_unpackhi_pd(two, two)))
-        }
+        fold_ymm!(self.0, _mm_add_pd)
     }
     #[inline(always)]
     fn largest(self) -> f64 {
-        unsafe {
-            let two = _mm_max_pd(_mm256_castpd256_pd128(self.0), _mm256_extractf128_pd::<1>(self.0));
-            _mm_cvtsd_f64(_mm_max_pd(two, _mm_unpackhi_pd(two, two)))
-        }
+        fold_ymm!(self.0, _mm_max_pd)
     }
     #[inline(always)]
     fn smallest(self) -> f64 {
-        unsafe {
-            let two = _mm_min_pd(_mm256_castpd256_pd128(self.0), _mm256_extractf128_pd::<1>(self.0));
-            _mm_cvtsd_f64(_mm_min_pd(two, _mm_unpackhi_pd(two, two)))
-        }
+        fold_ymm!(self.0, _mm_min_pd)
     }
     #[inline(always)]
     fn abs(self) -> Self {
