@@ -9,17 +9,20 @@ mod portfolio;
 mod prove;
 mod small;
 
-use crate::certify::{certify, certify_sparse};
 use crate::control::Control;
+use crate::equilibrate::{DENSE_UP_TO, Equilibrated, Rows};
 use crate::error::{LcpError, Result};
-use crate::iterative::{Goal, Sparse};
+use crate::judge::judge;
+use crate::member::Member;
 use crate::methods::{
     bilinear, block_pivoting, chandrasekaran, enumerate, interior_point, lemke, lemke_howson, potential_reduction,
 };
 use crate::problem::{Lcp, check_finite};
-use crate::scaling::{Equilibrated, Scaling, exponent, times_power_of_two};
+use crate::scaling::{Scaling, exponent, times_power_of_two};
+use crate::small::TINY_ORDER;
 use crate::solution::{Candidate, Solution};
 use crate::sparse::SparseLcp;
+use crate::status::Status;
 
 pub use approximate::Approximate;
 
@@ -106,20 +109,6 @@ impl Method {
     }
 }
 
-/// Names that a result may bear beside [`Method::NAMES`]: members of the portfolio and what goes before it.
-pub const MEMBERS: &[&str] = &[
-    "trivial",
-    "warm_start",
-    "pieces",
-    "lemke_small",
-    "lemke_warm",
-    "lemke_random_d",
-    "lemke_double_double",
-    "principal_pivoting_double_double",
-    "feasibility",
-    "exact_lemke",
-];
-
 /// What `solve` needs to know beside the problem.
 #[derive(Clone, Debug)]
 pub struct Settings {
@@ -205,13 +194,27 @@ pub fn solve_at_length(lcp: &Lcp, settings: &Settings, control: &Control<'_>) ->
         }
     };
     let is_auto = matches!(settings.method, Method::Auto);
-    Ok(match settings.certify {
-        _ if is_auto && doubt::hides_q(lcp, &solution) => {
-            prove::or_withdrawn(&problem, solution, settings.tol, control)
-        }
-        Certify::Float => solution,
-        Certify::Exact => prove::prove(&problem, solution, settings.tol, control),
-    })
+    if is_auto && doubt::hides_q(lcp, &solution) {
+        return Ok(prove::or_withdrawn(&problem, solution, settings.tol, control));
+    }
+    Ok(finished(&problem, solution, settings, control))
+}
+
+/// The end of the road: a proof where one is asked for, advice where a method by name gave no answer.
+fn finished<P: Rows>(
+    problem: &Equilibrated<'_, P>,
+    mut solution: Solution,
+    settings: &Settings,
+    control: &Control<'_>,
+) -> Solution {
+    if settings.certify == Certify::Exact {
+        solution = prove::prove(problem, solution, settings.tol, control);
+    }
+    let has_answer = matches!(solution.status(), Status::Solved | Status::Infeasible);
+    if !has_answer && !matches!(settings.method, Method::Auto) {
+        solution.message.push_str("; method=\"auto\" tries others");
+    }
+    solution
 }
 
 fn by_method(problem: &Equilibrated<'_>, settings: &Settings, control: &Control<'_>) -> Result<Solution> {
@@ -221,30 +224,30 @@ fn by_method(problem: &Equilibrated<'_>, settings: &Settings, control: &Control<
         Method::Auto => anytime::auto(problem, settings, control),
         Method::PrincipalPivoting => portfolio::principal_pivoting(problem, settings.tol, control),
         Method::Chandrasekaran => {
-            certify(problem, chandrasekaran::chandrasekaran(scaled, control), "chandrasekaran", settings.tol)
+            judge(problem, chandrasekaran::chandrasekaran(scaled, control), Member::Chandrasekaran, settings.tol)
         }
-        Method::Enumerate => certify(problem, enumerate::enumerate(scaled, control), "enumerate", settings.tol),
+        Method::Enumerate => judge(problem, enumerate::enumerate(scaled, control), Member::Enumerate, settings.tol),
         Method::Lemke { settings: options, restarts, seed } => match &options.d {
             Some(d) => {
                 let options = lemke::Settings { d: Some(covering_vector(problem, d)) };
-                certify(problem, lemke::lemke::<f64>(scaled, &options, control), "lemke", settings.tol)
+                judge(problem, lemke::lemke::<f64>(scaled, &options, control), Member::Lemke, settings.tol)
             }
             None => portfolio::lemke(problem, *restarts, *seed, settings, control),
         },
         Method::LemkeHowson(options) => {
-            certify(problem, lemke_howson::lemke_howson(scaled, options, control), "lemke_howson", settings.tol)
+            judge(problem, lemke_howson::lemke_howson(scaled, options, control), Member::LemkeHowson, settings.tol)
         }
         Method::Bilinear(options) => {
-            certify(problem, bilinear::bilinear(scaled, options, control), "bilinear", settings.tol)
+            judge(problem, bilinear::bilinear(scaled, options, control), Member::Bilinear, settings.tol)
         }
         Method::BlockPivoting(options) => {
             let mut options = options.clone();
             options.alpha = options.alpha.or_else(|| settings.z0.as_deref().map(support));
-            certify(problem, block_pivoting::block_pivoting(scaled, &options, control), "block_pivoting", settings.tol)
+            judge(problem, block_pivoting::block_pivoting(scaled, &options, control), Member::BlockPivoting, settings.tol)
         }
         Method::InteriorPoint(options) => {
             let found = interior_point_candidate(problem, settings, options, control);
-            let solution = certify(problem, found, "interior_point", settings.tol);
+            let solution = judge(problem, found, Member::InteriorPoint, settings.tol);
             if options.finish { portfolio::finished_by_pivots(problem, solution, settings, control) } else { solution }
         }
         Method::PotentialReduction(options) => {
@@ -260,52 +263,74 @@ fn by_method(problem: &Equilibrated<'_>, settings: &Settings, control: &Control<
 /// Names of the methods that take a sparse A.
 pub const SPARSE_METHODS: &[&str] = &["auto", "interior_point", "newton", "pgs", "pgs_sm", "nncg", "apgd", "admm"];
 
-/// Solves a sparse LCP on `D A D` and verifies the answer; `"auto"` is the interior point method. The residual is that of
-/// the scaled problem.
+/// Solves a sparse LCP and verifies the answer. Up to order [`TINY_ORDER`] the matrix is made dense and every method of [`solve`] is at
+/// hand; above, `"auto"` is the interior point method on `D A D`.
 ///
 /// # Errors
-/// `UnknownName` for a method that takes no sparse A; `OutOfRange` for `tol` and options; `WrongLength`, `NotFinite` or
-/// `Negative` for `z0`; `TooLarge` for an exact proof beyond [`SPARSE_EXACT_UP_TO`], because it is made on a dense copy.
+/// `UnknownName` for a method that takes no sparse A of that order; `OutOfRange` for `tol` and options; `WrongLength`, `NotFinite` or
+/// `Negative` for `z0`; `TooLarge` for an exact proof beyond [`DENSE_UP_TO`], because it is made on a dense copy.
 pub fn solve_sparse(lcp: &SparseLcp, settings: &Settings, control: &Control<'_>) -> Result<Solution> {
-    let tol = settings.tol;
-    check_common(lcp.n(), settings)?;
-    if settings.certify == Certify::Exact && lcp.n() > SPARSE_EXACT_UP_TO {
-        let name = "certify=\"exact\" with a sparse A, which is proved on a dense copy,";
-        return Err(LcpError::TooLarge { name, n: lcp.n(), limit: SPARSE_EXACT_UP_TO });
+    let takes_sparse = matches!(settings.method, Method::Auto | Method::InteriorPoint(_) | Method::Approximate(_));
+    if !takes_sparse {
+        let value = "one that needs a dense A".to_owned();
+        return Err(LcpError::UnknownName { name: "method", value, choices: SPARSE_METHODS });
     }
-    let scaling = Scaling::of_sparse(lcp);
-    let scaled = lcp.scaled(&scaling);
-    let z0 = settings.z0.as_deref().map(|z0| scaling.z_from_caller(z0));
-    let trivial = lcp.q().iter().all(|&q| q >= 0.0);
-    let interior_point = |options: &interior_point::Settings| {
-        let options = interior_point::Settings { tol, z0: z0.clone(), ..options.clone() };
-        interior_point::interior_point_sparse(&scaled, &options, control)
-    };
-    let (found, name) = match &settings.method {
-        _ if trivial => {
-            let z = vec![0.0; lcp.n()];
-            (Candidate { alpha: Some(vec![]), ..Candidate::point(z, crate::Termination::Converged, 0) }, "trivial")
-        }
-        Method::Auto => (interior_point(&interior_point::Settings::default()), "interior_point"),
-        Method::InteriorPoint(options) => (interior_point(options), "interior_point"),
-        Method::Approximate(method) => {
-            let goal = Goal::of_sparse(tol, &scaling, lcp.q(), &scaled);
-            (method.run(&Sparse::new(&scaled), &goal, z0.as_deref(), control), method.name())
-        }
-        _ => {
-            let value = "one that needs a dense A".to_owned();
-            return Err(LcpError::UnknownName { name: "method", value, choices: SPARSE_METHODS });
+    if lcp.n() <= TINY_ORDER {
+        return solve(&lcp.to_dense(), settings, control);
+    }
+    check_common(lcp.n(), settings)?;
+    if settings.certify == Certify::Exact && lcp.n() > DENSE_UP_TO {
+        let name = "certify=\"exact\" with a sparse A, which is proved on a dense copy,";
+        return Err(LcpError::TooLarge { name, n: lcp.n(), limit: DENSE_UP_TO });
+    }
+    let problem = Equilibrated::new(lcp);
+    let solution = match (&settings.method, trivial(&problem, settings.tol)) {
+        (_, Some(solution)) => solution,
+        (Method::Approximate(method), None) => approximate::solve(&problem, settings, method, control),
+        (method, None) => {
+            let options = if let Method::InteriorPoint(options) = method { options } else { &Default::default() };
+            sparse_interior_point(&problem, settings, options, control)
         }
     };
-    let solution = certify_sparse(lcp, &scaled, &scaling, found, name, tol);
-    Ok(match settings.certify {
-        Certify::Float => solution,
-        Certify::Exact => prove::prove(&Equilibrated::new(&lcp.to_dense()), solution, tol, control),
-    })
+    Ok(finished(&problem, solution, settings, control))
 }
 
-/// Largest order of a sparse problem that is proved exactly.
-pub const SPARSE_EXACT_UP_TO: usize = 2000;
+/// The interior point method on `D A D`, then Newton's method from its point where single rows of that do not hold.
+fn sparse_interior_point(
+    problem: &Equilibrated<'_, SparseLcp>,
+    settings: &Settings,
+    options: &interior_point::Settings,
+    control: &Control<'_>,
+) -> Solution {
+    let target = &problem.scaling;
+    let scaling = target.congruent(problem.original.q());
+    let z0 = settings.z0.as_deref().map(|z0| scaling.z_from_caller(z0));
+    let options = interior_point::Settings { tol: congruent_tol(settings.tol, &scaling, target), z0, ..options.clone() };
+    let found = interior_point::interior_point_sparse(&problem.original.scaled(&scaling), &options, control);
+    let solution = judge(problem, carried(found, &scaling, target), Member::InteriorPoint, settings.tol);
+    if !polish::is_near(&solution, settings.tol) || control.max_iterations.is_some() {
+        return solution;
+    }
+    let settings = Settings { z0: Some(solution.z.clone()), ..settings.clone() };
+    let newton = Approximate::Newton(Default::default());
+    let polished = approximate::solve(problem, &settings, &newton, control);
+    if polished.is_solved() { Solution { method: solution.method, iterations: solution.iterations, ..polished } } else { solution }
+}
+
+/// The tolerance on one scaled problem that gives `tol` on another.
+fn congruent_tol(tol: f64, scaling: &Scaling, target: &Scaling) -> f64 {
+    (tol / scaling.distance(target).max(1.0)).max(f64::EPSILON)
+}
+
+/// What was found on the problem scaled one way, on that scaled another way.
+fn carried(found: Candidate, from: &Scaling, target: &Scaling) -> Candidate {
+    if from == target {
+        return found;
+    }
+    let multipliers = |y: &Vec<f64>| target.multiplier_from_caller(&from.multiplier_to_caller(y));
+    let farkas = found.farkas.as_ref().map(multipliers);
+    Candidate { z: target.z_from_caller(&from.z_to_caller(&found.z)), farkas, ..found }
+}
 
 /// Runs the interior point method on `D A D`, because `D_r A D_c` with `D_r != D_c` need not be monotone when A is.
 fn interior_point_candidate(
@@ -315,19 +340,14 @@ fn interior_point_candidate(
     control: &Control<'_>,
 ) -> Candidate {
     let target = &problem.scaling;
-    let scaling = target.congruent(problem.original);
-    let tol = (settings.tol / scaling.distance(target).max(1.0)).max(f64::EPSILON);
+    let scaling = target.congruent(problem.original.q());
     let z0 = settings.z0.as_deref().map(|z0| scaling.z_from_caller(z0));
-    let options = interior_point::Settings { tol, z0, ..options.clone() };
+    let options = interior_point::Settings { tol: congruent_tol(settings.tol, &scaling, target), z0, ..options.clone() };
     if scaling == *target {
         return interior_point::interior_point(&problem.lcp, &options, control);
     }
-    let congruent = Equilibrated::with(problem.original, scaling);
-    let found = interior_point::interior_point(&congruent.lcp, &options, control);
-    let from = &congruent.scaling;
-    let carried = |y: &Vec<f64>| target.multiplier_from_caller(&from.multiplier_to_caller(y));
-    let farkas = found.farkas.as_ref().map(carried);
-    Candidate { z: target.z_from_caller(&from.z_to_caller(&found.z)), farkas, ..found }
+    let congruent = problem.original.scaled(&scaling);
+    carried(interior_point::interior_point(&congruent, &options, control), &scaling, target)
 }
 
 /// The paper's potential reduction method with its own stopping rule; `trace` receives each row of its table.
@@ -361,7 +381,7 @@ fn reduce_potential(
 ) -> Result<Solution> {
     let found = potential_reduction::potential_reduction(problem.original, z0, settings, control, trace)?;
     let candidate = Candidate { z: problem.scaling.z_from_caller(&found.z), ..found };
-    Ok(certify(problem, candidate, "potential_reduction", tol))
+    Ok(judge(problem, candidate, Member::PotentialReduction, tol))
 }
 
 /// Sizes and ranges of everything beside the problem itself.
@@ -426,12 +446,12 @@ fn at_once(problem: &Equilibrated<'_>, settings: &Settings) -> Option<Solution> 
 }
 
 /// `q >= 0`: z = 0 solves the problem, whatever A is.
-fn trivial(problem: &Equilibrated<'_>, tol: f64) -> Option<Solution> {
+fn trivial<P: Rows>(problem: &Equilibrated<'_, P>, tol: f64) -> Option<Solution> {
     problem.original.q().iter().all(|&q| q >= 0.0).then(|| {
-        let z = vec![0.0; problem.lcp.n()];
+        let z = vec![0.0; problem.original.n()];
         let candidate =
             Candidate { alpha: Some(vec![]), ..Candidate::point(z, crate::Termination::ComplementaryBasis, 0) };
-        certify(problem, candidate, "trivial", tol)
+        judge(problem, candidate, Member::Trivial, tol)
     })
 }
 
@@ -443,8 +463,8 @@ fn warm(problem: &Equilibrated<'_>, settings: &Settings) -> Option<Solution> {
     let given = Some((problem.scaling.z_from_caller(z0), None));
     [basic, given].into_iter().flatten().find_map(|(z, alpha)| {
         let candidate = Candidate { alpha, ..Candidate::point(z, crate::Termination::ComplementaryBasis, 0) };
-        let solution = certify(problem, candidate, "warm_start", settings.tol);
-        (solution.status == crate::Status::Solved && !doubt::misses_q(problem.original, &solution)).then_some(solution)
+        let solution = judge(problem, candidate, Member::WarmStart, settings.tol);
+        (solution.is_solved() && !doubt::misses_q(problem.original, &solution)).then_some(solution)
     })
 }
 

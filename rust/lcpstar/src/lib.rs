@@ -3,23 +3,26 @@
 //! find `z` with  `w = A z + q >= 0`,  `z >= 0`,  `z'w = 0`,
 //!
 //! solved, verified and, on request, proved. Imports point one way:
-//! `error, status <- problem <- linalg, residual, pivoting, exact, presolve <- methods, certify <- driver <- batch`.
+//! `error, status <- problem <- linalg, residual, pivoting, exact, presolve <- methods, judge <- driver <- batch`.
 //! [CPS92] writes `M` for our `A`; here `M` is a principal pivot transform of `A`.
 
 pub mod accuracy;
 pub mod batch;
-pub mod certify;
 pub mod classes;
 pub mod control;
 pub mod driver;
+pub mod equilibrate;
 pub mod error;
 pub mod exact;
 pub mod iterative;
+pub mod judge;
 pub mod linalg;
+pub mod member;
 pub mod methods;
 pub mod pivoting;
 pub mod presolve;
 pub mod problem;
+pub mod refute;
 pub mod residual;
 pub mod scaling;
 pub mod small;
@@ -27,10 +30,14 @@ pub mod solution;
 pub mod solutions;
 pub mod sparse;
 pub mod status;
+pub mod tails;
+pub mod verdict;
 
 pub use control::Control;
 pub use error::{LcpError, Result};
+pub use member::Member;
 pub use problem::Lcp;
-pub use solution::{Candidate, Certificate, Piece, Ray, Solution};
+pub use solution::{Candidate, Piece, Ray, Solution};
 pub use sparse::SparseLcp;
 pub use status::{Status, Termination};
+pub use verdict::{Certificate, Verdict};

@@ -1,9 +1,8 @@
-//! How far `z` is from solving LCP(q, A): `w` in twice the working precision, and the natural residual.
+//! How far `z` is from solving LCP(q, A), and the rule by which a point is called a solution.
 
 use crate::linalg::compensated::affine_compensated;
 use crate::linalg::kernels::max_abs;
 use crate::problem::Lcp;
-use crate::sparse::SparseLcp;
 
 /// `w = A z + q` (Dot2 of [ORO05]) and its rounding scale `|A||z| + |q|`, row by row. O(n^2).
 #[must_use]
@@ -40,48 +39,74 @@ pub fn off_by(z: f64, w: f64) -> f64 {
     if z > 0.0 || w.is_nan() { w.abs() } else { (-w).max(0.0) }
 }
 
-/// Whether a row of the equilibrated problem holds to its own numbers, with `m = (|A||z| + |q|)_i`: its error is a small
-/// part of them, or at most `floor`. The part is `sqrt(tol)`, so that it tells a row that is wholly wrong, however small its
-/// numbers, from one that is only as accurate as `tol` asks.
-#[must_use]
-pub fn holds_alone(z: f64, w: f64, m: f64, tol: f64, floor: f64) -> bool {
-    let off = off_by(z, w);
-    off <= tol.sqrt() * m || off <= floor
-}
-
-/// The floors of [`holds_alone`] in the rows of a sparse A: rounding beside the largest `|q'|` of the part of the problem that row i
-/// belongs to. The solution of a discretised equation may decay to nothing, and no double holds its tail; rows that do not
-/// hang together have no tail in each other.
-#[derive(Clone, Debug)]
-pub struct Floors {
-    q: Vec<f64>,
-    rounding: Vec<f64>,
-}
-
-impl Floors {
-    /// The floors of an equilibrated problem. O(nnz).
-    #[must_use]
-    pub fn new(scaled: &SparseLcp) -> Self {
-        let (q, parts) = (scaled.q(), scaled.parts());
-        let mut largest = vec![0.0_f64; q.len()];
-        for (q, &part) in q.iter().zip(&parts) {
-            largest[part] = largest[part].max(q.abs());
-        }
-        Self { q: q.to_vec(), rounding: parts.iter().map(|&part| 32.0 * f64::EPSILON * largest[part]).collect() }
-    }
-
-    /// That of row i, with `m = (|A||z| + |q|)_i`. In a row of which q_i is the greater part nothing decays, and the floor is 0,
-    /// as it is for a dense A.
-    #[must_use]
-    pub fn of(&self, i: usize, m: f64) -> f64 {
-        if 2.0 * self.q[i].abs() < m { self.rounding[i] } else { 0.0 }
-    }
-}
-
-/// On the equilibrated problem, where `max|q'| < 1`, `max|min(z', w')|` itself must be below `max(tol, ABSOLUTE)`: both other
+/// On the equilibrated problem, where `max|q'| < 1`, `max|min(z', w')|` itself must be below `max(tol, ABSOLUTE)`: the other
 /// tests allow rounding in proportion to z, and a z of 1e16 from a nearly singular block would pass them with any error.
 /// Beyond 1e22 or so not even [`slack`] sees q: what it may be off by counts, too.
 pub const ABSOLUTE: f64 = 1e-6;
+
+/// One row of a point, in the units in which each test of the [`Rule`] is said.
+#[derive(Clone, Copy, Debug)]
+pub struct Row {
+    /// `z'_i` and `w'_i` of the equilibrated problem.
+    pub equilibrated: [f64; 2],
+    /// `z_i`, `w_i` and `m_i = (|A||z| + |q|)_i` on the caller's numbers, in the unit of the rule's `max|q|`.
+    pub caller: [f64; 3],
+    /// [`off_by`] as a part of `m_i`: the same in any units.
+    pub part: f64,
+    /// Whether an error of this row is the rounding of a tail: see [`tails`](crate::tails).
+    pub is_tail: bool,
+}
+
+/// When a point `z >= 0` is called a solution. Each test has a point that it alone refuses (`every_test_counts`):
+///
+/// 1. `residual <= tol` on the equilibrated problem;
+/// 2. `|min(z, w)|_i <= 10 tol max|q| + 8 eps m_i` in the caller's units: a wrong row that scaling would hide;
+/// 3. `max|min(z', w')| <= max(tol, ABSOLUTE)`: a z so large that it hides q;
+/// 4. the error of every row is at most the part `sqrt(tol)` of its own numbers, or it is a tail: a row that is wholly wrong,
+///    however small its numbers.
+#[derive(Clone, Debug)]
+pub struct Rule {
+    tol: f64,
+    /// `10 tol max|q|`.
+    allowed: f64,
+    violation: f64,
+    largest_z: f64,
+    rows_hold: bool,
+}
+
+/// That a point passed the [`Rule`]; nothing else makes one.
+#[derive(Clone, Copy, Debug)]
+pub struct Passed(());
+
+impl Rule {
+    /// No row yet; `max_q` is the largest `|q_i|` of the caller, in the unit of [`Row::caller`].
+    #[must_use]
+    pub fn new(tol: f64, max_q: f64) -> Self {
+        Self { tol, allowed: 10.0 * tol * max_q, violation: 0.0, largest_z: 1.0, rows_hold: true }
+    }
+
+    /// Takes a row into account. Not a number is never small.
+    pub fn add(&mut self, row: Row) {
+        let ([z, w], [caller_z, caller_w, m]) = (row.equilibrated, row.caller);
+        self.violation = maximum(self.violation, minimum(z, w).abs());
+        self.largest_z = self.largest_z.max(z);
+        let in_units = minimum(caller_z, caller_w).abs() <= self.allowed + 8.0 * f64::EPSILON * m;
+        self.rows_hold &= z >= 0.0 && in_units && (row.part <= self.tol.sqrt() || row.is_tail);
+    }
+
+    /// `max|min(z', w')| / max(1, max|z'|)`.
+    #[must_use]
+    pub fn residual(&self) -> f64 {
+        self.violation / self.largest_z
+    }
+
+    /// The verdict on the rows, each `w'_i` off by `error` at most.
+    #[must_use]
+    pub fn passed(&self, error: f64) -> Option<Passed> {
+        let is_small = self.violation + error <= self.tol.max(ABSOLUTE);
+        (self.rows_hold && is_small && self.residual() <= self.tol).then_some(Passed(()))
+    }
+}
 
 /// `min(a, b)` that keeps NaN.
 fn minimum(a: f64, b: f64) -> f64 {

@@ -4,8 +4,6 @@
 //! rays and Farkas vectors of the scaled problem are those of the caller's. Only exponents are stored.
 
 use crate::linalg::kernels;
-use crate::problem::Lcp;
-use crate::sparse::SparseLcp;
 
 /// Binary exponents of the diagonals `D_r`, `D_c` and of the factor `s`.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -18,20 +16,6 @@ pub struct Scaling {
     pub q: i32,
 }
 
-/// A problem beside its equilibrated copy.
-#[derive(Clone, Debug)]
-pub struct Equilibrated<'a> {
-    /// The caller's problem.
-    pub original: &'a Lcp,
-    /// The equilibrated problem: every nonzero row and column of A has its largest entry in [1/4, 2), `max|q| < 1`.
-    pub lcp: Lcp,
-    /// How the one became the other.
-    pub scaling: Scaling,
-    /// Whether every number of both is in [`ORDINARY`], or zero in both: then no product or sum of a few overflows or loses
-    /// digits.
-    pub is_ordinary: bool,
-}
-
 /// Sizes whose products stay far from both ends of the range of doubles.
 pub const ORDINARY: std::ops::Range<f64> = 1e-150..1e150;
 
@@ -39,11 +23,6 @@ pub const ORDINARY: std::ops::Range<f64> = 1e-150..1e150;
 #[must_use]
 pub fn are_ordinary(x: &[f64]) -> bool {
     kernels::all_zero_or_within(x, ORDINARY.start, ORDINARY.end)
-}
-
-/// Whether a number became zero by underflow.
-fn vanishes(original: &[f64], scaled: &[f64]) -> bool {
-    original.iter().zip(scaled).fold(false, |found, (&x, &y)| found | ((x != 0.0) & (y == 0.0)))
 }
 
 /// `x 2^e`, exact unless the result leaves the range of doubles.
@@ -58,7 +37,8 @@ pub fn times_power_of_two(x: f64, e: i32) -> f64 {
 }
 
 /// `2^e` for a normal exponent.
-fn power_of_two(e: i32) -> f64 {
+#[must_use]
+pub fn power_of_two(e: i32) -> f64 {
     f64::from_bits(u64::from((e + 1023).unsigned_abs()) << 52)
 }
 
@@ -74,63 +54,25 @@ pub fn exponent(x: f64) -> i32 {
 }
 
 /// The exponent given to zero: smaller than any real one, whatever is added to it.
-const ZERO: i32 = -1_000_000;
+pub const ZERO: i32 = -1_000_000;
 
 /// Sweeps of Ruiz's iteration at most; each halves every row's and column's distance from 1 in exponent.
 const SWEEPS: usize = 12;
 
 impl Scaling {
-    /// Ruiz equilibration in the max norm, rounded to powers of two. [Rui01]  O(n^2).
+    /// Ruiz equilibration in the max norm, rounded to powers of two. [Rui01]  `sweep` is given the exponents of rows and columns and
+    /// returns the largest exponent of each row and of each column of `D_r A D_c`, [`ZERO`] where all entries are 0.
     ///
     /// Rows and columns are updated together, so a symmetric matrix gets `D_r = D_c` and stays symmetric.
     #[must_use]
-    pub fn new(lcp: &Lcp) -> Self {
-        let n = lcp.n();
-        let (rows, columns) = if is_equilibrated(lcp) { (vec![0; n], vec![0; n]) } else { Self::sweeps(lcp) };
-        let q = exponent_of_q(lcp.q(), &rows);
-        Self { rows, columns, q }
-    }
-
-    /// The congruent scaling `D A D` of a sparse matrix. O(nnz).
-    #[must_use]
-    pub fn of_sparse(lcp: &SparseLcp) -> Self {
-        let n = lcp.n();
-        let mut d = vec![0; n];
-        let mut largest = vec![ZERO; n];
-        for _ in 0..SWEEPS {
-            largest.fill(ZERO);
-            for i in 0..n {
-                for (&j, &a) in lcp.row(i).0.iter().zip(lcp.row(i).1) {
-                    let e = exponent(a);
-                    largest[i] = largest[i].max(e + d[j]);
-                    largest[j] = largest[j].max(e + d[i]);
-                }
-            }
-            let mut changed = false;
-            for (d, &m) in d.iter_mut().zip(&largest) {
-                changed |= halve(d, m);
-            }
-            if !changed {
-                break;
-            }
-        }
-        Self { q: exponent_of_q(lcp.q(), &d), columns: d.clone(), rows: d }
-    }
-
-    /// The exponents of `D_r` and `D_c`.
-    fn sweeps(lcp: &Lcp) -> (Vec<i32>, Vec<i32>) {
-        let n = lcp.n();
+    pub fn ruiz(q: &[f64], mut sweep: impl FnMut(&[i32], &[i32], &mut [i32], &mut [i32])) -> Self {
+        let n = q.len();
         let (mut rows, mut columns) = (vec![0; n], vec![0; n]);
         let (mut row_max, mut column_max) = (vec![ZERO; n], vec![ZERO; n]);
         for _ in 0..SWEEPS {
+            row_max.fill(ZERO);
             column_max.fill(ZERO);
-            for i in 0..n {
-                let (row, r) = (lcp.row(i), rows[i]);
-                row_max[i] = kernels::max_exponents(row, ZERO, &columns, r, &mut column_max).unwrap_or_else(|| {
-                    row.iter().zip(&mut column_max).for_each(|(&x, m)| *m = (*m).max(exponent(x) + r));
-                    row.iter().zip(&columns).map(|(&x, c)| exponent(x) + c).max().unwrap_or(ZERO)
-                });
-            }
+            sweep(&rows, &columns, &mut row_max, &mut column_max);
             let mut changed = false;
             for i in 0..n {
                 changed |= halve(&mut rows[i], row_max[i]);
@@ -140,7 +82,20 @@ impl Scaling {
                 break;
             }
         }
-        (rows, columns)
+        Self::of_exponents(rows, columns, q)
+    }
+
+    /// These rows and columns, and the factor that brings `max|q'|` into [1/2, 1).
+    #[must_use]
+    pub fn of_exponents(rows: Vec<i32>, columns: Vec<i32>, q: &[f64]) -> Self {
+        let q = exponent_of_q(q, &rows);
+        Self { rows, columns, q }
+    }
+
+    /// The same but for another q.
+    #[must_use]
+    pub fn for_q(self, q: &[f64]) -> Self {
+        Self::of_exponents(self.rows, self.columns, q)
     }
 
     /// Whether every factor, and every product of one of `D_r` and one of `D_c`, is a normal number.
@@ -151,9 +106,9 @@ impl Scaling {
 
     /// The scaling `D A D` nearest to `D_r A D_c`: congruent to A, so that PSD stays PSD.
     #[must_use]
-    pub fn congruent(&self, lcp: &Lcp) -> Self {
+    pub fn congruent(&self, q: &[f64]) -> Self {
         let rows: Vec<i32> = self.rows.iter().zip(&self.columns).map(|(r, c)| (r + c).div_euclid(2)).collect();
-        Self { q: exponent_of_q(lcp.q(), &rows), columns: rows.clone(), rows }
+        Self::of_exponents(rows.clone(), rows, q)
     }
 
     /// The largest factor by which a residual can grow on the way from this scaling to `other`.
@@ -213,19 +168,6 @@ fn exponent_of_q(q: &[f64], rows: &[i32]) -> i32 {
     if largest < ZERO / 2 { 0 } else { -largest }
 }
 
-/// Whether every row and column has its largest entry in [1/4, 2) already: one pass, no exponents.
-fn is_equilibrated(lcp: &Lcp) -> bool {
-    let n = lcp.n();
-    let mut columns = vec![0.0; n];
-    let near_one = |m: f64| (0.25..2.0).contains(&m);
-    for i in 0..n {
-        if !near_one(kernels::max_into(lcp.row(i), &mut columns)) {
-            return false;
-        }
-    }
-    columns.into_iter().all(near_one)
-}
-
 /// Moves `exponent` half the way that brings the largest entry, `2^largest`, to 1; `false` when it is there.
 fn halve(exponent: &mut i32, largest: i32) -> bool {
     let current = largest + *exponent;
@@ -236,83 +178,12 @@ fn halve(exponent: &mut i32, largest: i32) -> bool {
     true
 }
 
-/// `D_r A D_c`.
-fn scaled_matrix(lcp: &Lcp, scaling: &Scaling) -> Vec<f64> {
-    let n = lcp.n();
-    if scaling.is_moderate() {
-        let mut a = vec![0.0; n * n];
-        let factors: Vec<f64> = scaling.columns.iter().map(|&c| power_of_two(c)).collect();
-        for (i, out) in a.chunks_exact_mut(n).enumerate() {
-            kernels::scale_row(lcp.row(i), power_of_two(scaling.rows[i]), &factors, out);
-        }
-        return a;
-    }
-    let mut a = Vec::with_capacity(n * n);
-    for (i, r) in scaling.rows.iter().enumerate() {
-        a.extend(lcp.row(i).iter().zip(&scaling.columns).map(|(&x, c)| times_power_of_two(x, r + c)));
-    }
-    a
-}
-
 /// Two exponents up to this size have a sum in the normal range.
-const MODERATE: i32 = 500;
-
-impl<'a> Equilibrated<'a> {
-    /// Equilibrates `original`. O(n^2).
-    #[must_use]
-    pub fn new(original: &'a Lcp) -> Self {
-        Self::with(original, Scaling::new(original))
-    }
-
-    /// Scales `original` as told. O(n^2).
-    #[must_use]
-    pub fn with(original: &'a Lcp, scaling: Scaling) -> Self {
-        let q: Vec<f64> =
-            original.q().iter().zip(&scaling.rows).map(|(&x, r)| times_power_of_two(x, r + scaling.q)).collect();
-        let mut is_ordinary =
-            [original.a(), original.q(), &q].into_iter().all(are_ordinary) && !vanishes(original.q(), &q);
-        let lcp = if scaling.rows.iter().chain(&scaling.columns).all(|&e| e == 0) {
-            original.with_q(q)
-        } else {
-            let a = scaled_matrix(original, &scaling);
-            is_ordinary &= are_ordinary(&a) && !vanishes(original.a(), &a);
-            Lcp::trusted(original.n(), a, q)
-        };
-        Self { original, lcp, scaling, is_ordinary }
-    }
-}
+pub const MODERATE: i32 = 500;
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn largest(x: &[f64]) -> f64 {
-        x.iter().fold(0.0, |m, x| m.max(x.abs()))
-    }
-
-    #[test]
-    fn rows_and_columns_reach_one_within_a_factor_of_four() {
-        let a = vec![1e-10, 3e-300, 5.0, 1e8, 0.0, 2e200, 7e-9, 1.0, 0.0];
-        let lcp = Lcp::new(3, a, vec![1e300, -5e-324, 0.0]).expect("finite");
-        let e = Equilibrated::new(&lcp);
-        for i in 0..3 {
-            let column: Vec<f64> = (0..3).map(|k| e.lcp.row(k)[i]).collect();
-            for m in [largest(e.lcp.row(i)), largest(&column)] {
-                assert!((0.25..2.0).contains(&m), "{m}");
-            }
-        }
-        assert!((0.5..1.0).contains(&largest(e.lcp.q())));
-    }
-
-    #[test]
-    fn symmetric_stays_symmetric_and_z_round_trips() {
-        let a = vec![4.0, 1e5, 0.0, 1e5, 1e12, 3.0, 0.0, 3.0, 1e-6];
-        let lcp = Lcp::new(3, a, vec![-1.0, 2.0, 1e-3]).expect("finite");
-        let e = Equilibrated::new(&lcp);
-        assert_eq!(e.scaling.rows, e.scaling.columns);
-        let z = vec![1.5, -3e-5, 1e9];
-        assert_eq!(e.scaling.z_to_caller(&e.scaling.z_from_caller(&z)), z);
-    }
 
     #[test]
     fn powers_of_two_beyond_the_normal_range() {

@@ -1,8 +1,9 @@
 //! What a method hands to `certify` ([`Candidate`]) and what the caller gets ([`Solution`]).
 
-use crate::exact::dyadic::RationalVec;
 use crate::exact::sufficiency::NotSufficient;
+use crate::member::Member;
 use crate::status::{Status, Termination};
+use crate::verdict::{Certificate, Verdict};
 
 /// A secondary ray of Lemke's method: `w + t w_hat = A (z + t z_hat) + q + d (z0 + t z0_hat)` stays
 /// almost complementary for all `t >= 0`.
@@ -49,61 +50,103 @@ impl Candidate {
     }
 }
 
-/// Why the status may be believed.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Certificate {
-    /// `z` solves the problem; `alpha` is its complementary basis or support.
-    Solution {
-        /// Indices with `w_i = 0` in the basis.
-        alpha: Vec<usize>,
-        /// The solution in exact arithmetic, when it was proved there.
-        exact: Option<RationalVec>,
-    },
-    /// `y >= 0, A'y <= 0, q'y < 0`: no `z >= 0` has `A z + q >= 0`.
-    Infeasible {
-        /// The Farkas vector.
-        y: Vec<f64>,
-        /// The vector in exact arithmetic, when it was proved there.
-        exact: Option<RationalVec>,
-    },
-    /// A secondary ray, proved in exact arithmetic: no claim about the problem.
-    Ray {
-        /// Direction of `z`.
-        z_hat: RationalVec,
-    },
-    /// A vector that refutes the sufficiency of A, checked in exact arithmetic: no claim about the problem.
-    NotSufficient(NotSufficient),
-}
-
-/// A part of the problem that was solved on its own: its indices and the method that answered.
-pub type Piece = (Vec<usize>, &'static str);
+/// A part of the problem that was solved on its own: its indices and who answered.
+pub type Piece = (Vec<usize>, Member);
 
 /// The verified result of one solve.
 #[derive(Clone, Debug)]
 pub struct Solution {
+    pub(crate) z: Vec<f64>,
+    pub(crate) w: Vec<f64>,
+    /// Private to the judge, who alone can make one.
+    pub(crate) verdict: Verdict,
+    pub(crate) method: Member,
+    pub(crate) iterations: usize,
+    pub(crate) residual: f64,
+    pub(crate) natural_residual: f64,
+    pub(crate) alpha: Vec<usize>,
+    pub(crate) ray: Option<Ray>,
+    pub(crate) pieces: Vec<Piece>,
+    pub(crate) message: String,
+}
+
+impl Solution {
     /// The point, in the caller's units.
-    pub z: Vec<f64>,
-    /// `A z + q`, recomputed in twice the working precision.
-    pub w: Vec<f64>,
-    /// The verdict.
-    pub status: Status,
-    /// Which method (or member of the portfolio) produced the point.
-    pub method: &'static str,
+    #[must_use]
+    pub fn z(&self) -> &[f64] {
+        &self.z
+    }
+
+    /// `A z + q`, recomputed.
+    #[must_use]
+    pub fn w(&self) -> &[f64] {
+        &self.w
+    }
+
+    /// What is claimed of the problem.
+    #[must_use]
+    pub fn status(&self) -> Status {
+        self.verdict.status()
+    }
+
+    /// Whether it is solved.
+    #[must_use]
+    pub fn is_solved(&self) -> bool {
+        self.status() == Status::Solved
+    }
+
+    /// Who found the point.
+    #[must_use]
+    pub fn method(&self) -> Member {
+        self.method
+    }
+
     /// Pivots or iterations of that method and of those tried before it.
-    pub iterations: usize,
-    /// Scale-free residual on the equilibrated problem; `tol` bounds it when solved.
-    pub residual: f64,
-    /// `max|min(z, w)|` on the caller's numbers.
-    pub natural_residual: f64,
+    #[must_use]
+    pub fn iterations(&self) -> usize {
+        self.iterations
+    }
+
+    /// `max|min(z', w')| / max(1, max|z'|)` on the equilibrated problem, measured.
+    #[must_use]
+    pub fn residual(&self) -> f64 {
+        self.residual
+    }
+
+    /// `max|min(z, w)|` on the caller's numbers, measured.
+    #[must_use]
+    pub fn natural_residual(&self) -> f64 {
+        self.natural_residual
+    }
+
     /// The complementary basis, or the support of `z` where the method has no basis.
-    pub alpha: Vec<usize>,
+    #[must_use]
+    pub fn alpha(&self) -> &[usize] {
+        &self.alpha
+    }
+
     /// Proof of the status, where there is one.
-    pub certificate: Option<Certificate>,
+    #[must_use]
+    pub fn certificate(&self) -> Option<&Certificate> {
+        self.verdict.certificate()
+    }
+
     /// The secondary ray, in the caller's units.
-    pub ray: Option<Ray>,
+    #[must_use]
+    pub fn ray(&self) -> Option<&Ray> {
+        self.ray.as_ref()
+    }
+
     /// The parts that were solved one by one; empty when the problem was solved whole. Indices in no part have `z_i = 0`
     /// in every solution.
-    pub pieces: Vec<Piece>,
+    #[must_use]
+    pub fn pieces(&self) -> &[Piece] {
+        &self.pieces
+    }
+
     /// One sentence: what happened and what to try next.
-    pub message: String,
+    #[must_use]
+    pub fn message(&self) -> &str {
+        &self.message
+    }
 }

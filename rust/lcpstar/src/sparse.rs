@@ -3,7 +3,6 @@
 use crate::error::{LcpError, Result};
 use crate::linalg::kernels::dot_compensated;
 use crate::problem::{Lcp, check_finite};
-use crate::scaling::{Scaling, times_power_of_two};
 
 /// LCP(q, A): row i of A has the entries `values[starts[i]..starts[i + 1]]` in the columns `columns[..]` of that range.
 #[derive(Clone, Debug, PartialEq)]
@@ -56,13 +55,6 @@ impl SparseLcp {
         &self.q
     }
 
-    /// Entry (i, j), zero where nothing is stored.
-    #[must_use]
-    pub fn entry(&self, i: usize, j: usize) -> f64 {
-        let (columns, values) = self.row(i);
-        columns.iter().zip(values).filter(|(c, _)| **c == j).map(|(_, v)| v).sum()
-    }
-
     /// Columns and values of row i.
     #[must_use]
     pub fn row(&self, i: usize) -> (&[usize], &[f64]) {
@@ -99,18 +91,21 @@ impl SparseLcp {
         Lcp::trusted(n, a, self.q.clone())
     }
 
-    /// The scaled copy `D_r A D_c`, `s D_r q`.
+    /// The entries that are stored, row by row.
     #[must_use]
-    pub fn scaled(&self, scaling: &Scaling) -> Self {
-        let mut scaled = self.clone();
+    pub fn values(&self) -> &[f64] {
+        &self.values
+    }
+
+    /// The same pattern with other numbers, as trusted as these: `f(i, j, a_ij)`, and q.
+    pub(crate) fn mapped(&self, f: impl Fn(usize, usize, f64) -> f64, q: Vec<f64>) -> Self {
+        let mut values = self.values.clone();
         for i in 0..self.n() {
             for k in self.starts[i]..self.starts[i + 1] {
-                let e = scaling.rows[i] + scaling.columns[self.columns[k]];
-                scaled.values[k] = times_power_of_two(self.values[k], e);
+                values[k] = f(i, self.columns[k], self.values[k]);
             }
-            scaled.q[i] = times_power_of_two(self.q[i], scaling.rows[i] + scaling.q);
         }
-        scaled
+        Self { starts: self.starts.clone(), columns: self.columns.clone(), values, q }
     }
 
     /// A number per index, itself an index, that is the same for i and j where `a_ij` or `a_ji` is not 0, or a chain of such pairs

@@ -1,13 +1,16 @@
 //! How a method stopped ([`Termination`]) and what that means for the caller ([`Status`]).
 
-/// The outcome reported to the user. Two places may say [`Status::Solved`], each after its own check of the caller's numbers:
-/// [`certify`](crate::certify), and for small problems the row test of `small::verify`, which accepts no more than it.
+/// The outcome reported to the user. What [`crate::Solution`] says of itself comes from the [`judge`](crate::judge) alone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[repr(u8)]
+#[non_exhaustive]
 pub enum Status {
-    /// `residual <= tol`, recomputed from the caller's data.
+    /// The point passed the rule of the judge, or an exact solution was proved.
     Solved,
-    /// FEA(q, A) is empty; the certificate holds a checked `y >= 0, A'y <= 0, q'y < 0`.
+    /// FEA(q, A) is empty: the certificate's y has `y >= 0`, `A'y <= 0`, `q'y < 0` exactly.
     Infeasible,
+    /// No z with `sum(z)` below the certificate's bound is feasible, and the bound is large.
+    NearlyInfeasible,
     /// Lemke's method ended on a ray and nothing follows from it for this matrix.
     SecondaryRay,
     /// The iteration limit was reached.
@@ -19,12 +22,24 @@ pub enum Status {
 }
 
 impl Status {
+    /// All of them, in the order of their numbers.
+    pub const ALL: [Self; 7] = [
+        Self::Solved,
+        Self::Infeasible,
+        Self::NearlyInfeasible,
+        Self::SecondaryRay,
+        Self::MaxIterations,
+        Self::TimeLimit,
+        Self::NumericalBreakdown,
+    ];
+
     /// The name used in Python and on the command line.
     #[must_use]
     pub fn as_str(self) -> &'static str {
         match self {
             Self::Solved => "solved",
             Self::Infeasible => "infeasible",
+            Self::NearlyInfeasible => "nearly_infeasible",
             Self::SecondaryRay => "secondary_ray",
             Self::MaxIterations => "max_iterations",
             Self::TimeLimit => "time_limit",

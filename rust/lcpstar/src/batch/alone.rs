@@ -3,12 +3,12 @@
 
 use super::io::{Guess, Output, Problems, Settings};
 use super::work::{GUESS_ORDER, LEMKE, METHODS, Task, method_code};
-use crate::certify::certify;
+use crate::judge::judge;
 use crate::control::Control;
 use crate::driver::{self, doubt};
 use crate::error::{LcpError, Result};
 use crate::problem::Lcp;
-use crate::scaling::Equilibrated;
+use crate::equilibrate::Equilibrated;
 use crate::small::TINY_ORDER;
 use crate::small::ahead::Ahead;
 use crate::small::dispatch;
@@ -134,8 +134,8 @@ fn unverified(a: &[f64], q: &[f64], z: &[f64], basic: &[bool], pivots: usize, to
     let problem = Equilibrated::new(&lcp);
     let alpha = (0..n).filter(|&j| basic[j]).collect();
     let point = Candidate::point(problem.scaling.z_from_caller(z), Termination::ComplementaryBasis, pivots);
-    let solution = certify(&problem, Candidate { alpha: Some(alpha), ..point }, METHODS[usize::from(LEMKE)], tol);
-    (solution.status == Status::Solved && !doubt::misses_q(&lcp, &solution)).then_some(solution)
+    let solution = judge(&problem, Candidate { alpha: Some(alpha), ..point }, METHODS[usize::from(LEMKE)], tol);
+    (solution.status() == Status::Solved && !doubt::misses_q(&lcp, &solution)).then_some(solution)
 }
 
 /// A problem of the batch for the general solver.
@@ -155,7 +155,7 @@ fn write(output: &mut Output<'_>, n: usize, k: usize, solution: &Solution) {
     let range = k * n..(k + 1) * n;
     output.z[range.clone()].copy_from_slice(&solution.z);
     output.w[range].copy_from_slice(&solution.w);
-    output.status[k] = solution.status as u8;
+    output.status[k] = solution.status() as u8;
     output.method[k] = method_code(solution.method);
     output.iterations[k] = u32::try_from(solution.iterations).unwrap_or(u32::MAX);
     output.residual[k] = solution.residual;

@@ -4,12 +4,12 @@
 
 use super::approximate::{Approximate, solve};
 use super::{Certify, Settings, pieces, with_limit};
-use crate::certify::certify;
+use crate::judge::judge;
 use crate::control::Control;
 use crate::iterative::{Dense, Goal};
 use crate::methods::nncg;
 use crate::problem::Lcp;
-use crate::scaling::Equilibrated;
+use crate::equilibrate::Equilibrated;
 use crate::solution::{Candidate, Solution};
 use crate::status::{Status, Termination};
 
@@ -35,16 +35,16 @@ pub(super) fn auto(problem: &Equilibrated<'_>, settings: &Settings, control: &Co
         () => None,
     };
     let Some(attempt) = attempt else { return pieces::auto(problem, settings, control) };
-    if loose && attempt.status == Status::Solved {
+    if loose && attempt.status() == Status::Solved {
         return attempt;
     }
     let left = control.max_iterations.map(|limit| limit.saturating_sub(attempt.iterations));
     let mut solution = pieces::auto(problem, settings, &control.with_max_iterations(left));
     solution.iterations += attempt.iterations;
-    if solution.status == Status::TimeLimit && attempt.residual < solution.residual {
+    if solution.status() == Status::TimeLimit && attempt.residual < solution.residual {
         let termination = control.expired().unwrap_or(Termination::TimeLimit);
         let z = problem.scaling.z_from_caller(&attempt.z);
-        return certify(problem, Candidate::point(z, termination, solution.iterations), attempt.method, settings.tol);
+        return judge(problem, Candidate::point(z, termination, solution.iterations), attempt.method, settings.tol);
     }
     solution
 }
@@ -60,7 +60,7 @@ fn loosely(problem: &Equilibrated<'_>, settings: &Settings, control: &Control<'_
     let z0 = settings.z0.as_deref().map(|z0| scaling.z_from_caller(z0));
     let promise = Promise::new(problem.lcp.n(), settings.tol);
     let found = nncg::nncg_while(&Dense::new(&problem.lcp), &goal, z0.as_deref(), control, promise.watch());
-    Some(certify(problem, found, "nncg", settings.tol))
+    Some(judge(problem, found, Member::Nncg, settings.tol))
 }
 
 /// Whether sweeps that go on at their rate reach `tol` before they have cost as much as the full answer.

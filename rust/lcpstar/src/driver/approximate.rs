@@ -1,13 +1,16 @@
 //! The approximate methods: one goal, one start, dense or sparse.
 
 use super::Settings;
-use crate::certify::certify;
+use crate::judge::judge;
 use crate::control::Control;
+use crate::equilibrate::{Equilibrated, Rows};
 use crate::error::{LcpError, Result};
-use crate::iterative::{Dense, Goal, Matrix};
+use crate::iterative::{Dense, Goal, Matrix, Sparse};
 use crate::methods::{admm, apgd, newton, nncg, pgs, pgs_sm};
-use crate::scaling::Equilibrated;
+use crate::member::Member;
+use crate::problem::Lcp;
 use crate::solution::{Candidate, Solution};
+use crate::sparse::SparseLcp;
 
 /// A method that improves a point from iteration to iteration, and its options.
 #[derive(Clone, Debug)]
@@ -41,16 +44,16 @@ impl Approximate {
         }
     }
 
-    /// Its name.
+    /// Its name in results.
     #[must_use]
-    pub fn name(&self) -> &'static str {
+    pub fn member(&self) -> Member {
         match self {
-            Self::Pgs(_) => "pgs",
-            Self::PgsSm(_) => "pgs_sm",
-            Self::Nncg => "nncg",
-            Self::Apgd => "apgd",
-            Self::Admm(_) => "admm",
-            Self::Newton(_) => "newton",
+            Self::Pgs(_) => Member::Pgs,
+            Self::PgsSm(_) => Member::PgsSm,
+            Self::Nncg => Member::Nncg,
+            Self::Apgd => Member::Apgd,
+            Self::Admm(_) => Member::Admm,
+            Self::Newton(_) => Member::Newton,
         }
     }
 
@@ -98,22 +101,40 @@ impl Approximate {
 
 /// Runs the method on `D A D`, because `D_r A D_c` with `D_r != D_c` need not be monotone when A is; the goal is measured on
 /// the equilibrated problem all the same. Starts from the values of `z0`.
-pub(super) fn solve(
-    problem: &Equilibrated<'_>,
+pub(super) fn solve<P: Rows + Iterated>(
+    problem: &Equilibrated<'_, P>,
     settings: &Settings,
     method: &Approximate,
     control: &Control<'_>,
 ) -> Solution {
     let (original, target) = (problem.original, &problem.scaling);
-    let scaling = target.congruent(original);
+    let scaling = target.congruent(original.q());
     let goal = Goal::new(settings.tol, &scaling, target, original.q());
     let z0 = settings.z0.as_deref().map(|z0| scaling.z_from_caller(z0));
-    let run = |lcp| method.run(&Dense::new(lcp), &goal, z0.as_deref(), control);
+    let run = |lcp: &P| method.run(&lcp.matrix(), &goal, z0.as_deref(), control);
     let found = if scaling == *target {
         run(&problem.lcp)
     } else {
-        let found = run(&Equilibrated::with(original, scaling.clone()).lcp);
+        let found = run(&original.scaled(&scaling));
         Candidate { z: target.z_from_caller(&scaling.z_to_caller(&found.z)), ..found }
     };
-    certify(problem, found, method.name(), settings.tol)
+    judge(problem, found, method.member(), settings.tol)
+}
+
+/// A problem whose matrix the iterations know.
+pub(super) trait Iterated {
+    /// The matrix as they see it.
+    fn matrix(&self) -> impl Matrix;
+}
+
+impl Iterated for Lcp {
+    fn matrix(&self) -> impl Matrix {
+        Dense::new(self)
+    }
+}
+
+impl Iterated for SparseLcp {
+    fn matrix(&self) -> impl Matrix {
+        Sparse::new(self)
+    }
 }

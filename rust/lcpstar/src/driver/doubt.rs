@@ -29,7 +29,7 @@ pub(crate) fn misses_q(lcp: &Lcp, solution: &Solution) -> bool {
 /// not 0.
 fn any_row(lcp: &Lcp, solution: &Solution, question: impl Fn(f64, f64, f64) -> bool) -> bool {
     let (q, z) = (lcp.q(), &solution.z);
-    if lcp.n() > UP_TO || solution.status != Status::Solved {
+    if lcp.n() > UP_TO || solution.status() != Status::Solved {
         return false;
     }
     let (w, magnitude) = slack(lcp, z);

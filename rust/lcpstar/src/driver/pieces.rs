@@ -1,15 +1,17 @@
 //! `auto`: the portfolio on each part of the problem that can be solved on its own, the answer certified on the whole.
 
 use super::{Settings, at_once, portfolio, small};
-use crate::certify::certify;
+use crate::judge::judge;
 use crate::control::Control;
 use crate::linalg::kernels::dot_compensated;
+use crate::member::Member;
 use crate::presolve::{self, Part, Plan};
 use crate::problem::Lcp;
-use crate::scaling::Equilibrated;
+use crate::equilibrate::Equilibrated;
 use crate::small::TINY_ORDER;
-use crate::solution::{Candidate, Certificate, Piece, Solution};
+use crate::solution::{Candidate, Piece, Solution};
 use crate::status::{Status, Termination};
+use crate::verdict::Certificate;
 
 /// The portfolio, in parts where presolve finds some.
 ///
@@ -24,7 +26,7 @@ pub(super) fn auto(problem: &Equilibrated<'_>, settings: &Settings, control: &Co
     let spent = assembly.iterations;
     if let Some(termination) = termination {
         let solution = assembly.finish(termination);
-        if solution.status != Status::NumericalBreakdown {
+        if solution.status() != Status::NumericalBreakdown {
             return solution;
         }
     }
@@ -58,16 +60,16 @@ impl<'a> Assembly<'a> {
             let control = &control.with_max_iterations(left);
             let lcp = subproblem(self.problem.original, part, &self.z)?;
             if let Some((z, alpha, iterations)) = self.unverified(&lcp, control) {
-                self.add(part, &z, &alpha, "block_pivoting", iterations);
+                self.add(part, &z, &alpha, Member::BlockPivoting, iterations);
                 continue;
             }
             let solution = self.part(part, &lcp, control);
-            let alpha = if solution.status == Status::Solved { &solution.alpha[..] } else { &[] };
+            let alpha = if solution.status() == Status::Solved { &solution.alpha[..] } else { &[] };
             self.add(part, &solution.z, alpha, solution.method, solution.iterations);
-            match solution.status {
+            match solution.status() {
                 Status::Solved => {}
                 Status::Infeasible => {
-                    self.set_farkas(part, solution.certificate);
+                    self.set_farkas(part, solution.certificate());
                     return Some(Termination::Infeasible);
                 }
                 Status::TimeLimit => return Some(control.expired().unwrap_or(Termination::TimeLimit)),
@@ -80,7 +82,7 @@ impl<'a> Assembly<'a> {
     }
 
     /// Remembers what a part came to.
-    fn add(&mut self, part: &Part, z: &[f64], alpha: &[usize], method: &'static str, iterations: usize) {
+    fn add(&mut self, part: &Part, z: &[f64], alpha: &[usize], method: Member, iterations: usize) {
         part.indices.iter().zip(z).for_each(|(&i, z)| self.z[i] = *z);
         self.alpha.extend(alpha.iter().map(|&i| part.indices[i]));
         self.pieces.push((part.indices.clone(), method));
@@ -108,10 +110,10 @@ impl<'a> Assembly<'a> {
     }
 
     /// The part's Farkas vector in the units of the equilibrated whole; `certify` decides whether it is one of the whole.
-    fn set_farkas(&mut self, part: &Part, certificate: Option<Certificate>) {
-        if let Some(Certificate::Infeasible { y, .. }) = certificate {
+    fn set_farkas(&mut self, part: &Part, certificate: Option<&Certificate>) {
+        if let Some(Certificate::Infeasible { y }) = certificate {
             let mut whole = vec![0.0; self.z.len()];
-            for (&i, y) in part.indices.iter().zip(y) {
+            for (&i, y) in part.indices.iter().zip(y.direction_to_f64()) {
                 whole[i] = crate::scaling::times_power_of_two(y, -self.problem.scaling.rows[i]);
             }
             self.farkas = Some(whole);
@@ -123,7 +125,7 @@ impl<'a> Assembly<'a> {
         let alpha = (termination == Termination::ComplementaryBasis).then_some(self.alpha);
         let point = Candidate::point(z, termination, self.iterations);
         let candidate = Candidate { alpha, farkas: self.farkas, ..point };
-        let mut solution = certify(self.problem, candidate, name(&self.pieces), self.settings.tol);
+        let mut solution = judge(self.problem, candidate, name(&self.pieces), self.settings.tol);
         solution.pieces = self.pieces;
         solution
     }
@@ -136,13 +138,13 @@ pub(super) fn subproblem(lcp: &Lcp, part: &Part, z: &[f64]) -> Option<Lcp> {
     q.iter().all(|q| q.is_finite()).then(|| presolve::subproblem(lcp, &part.indices, q))
 }
 
-/// The method that answered every part, but for those with `q >= 0`; `"pieces"` when there are several.
-pub(super) fn name(pieces: &[Piece]) -> &'static str {
-    let mut methods = pieces.iter().map(|(_, method)| *method).filter(|method| *method != "trivial");
+/// The method that answered every part, but for those with `q >= 0`; [`Member::Pieces`] when there are several.
+pub(super) fn name(pieces: &[Piece]) -> Member {
+    let mut methods = pieces.iter().map(|(_, method)| *method).filter(|method| *method != Member::Trivial);
     match methods.next() {
-        None => "trivial",
+        None => Member::Trivial,
         Some(first) if methods.all(|method| method == first) => first,
-        Some(_) => "pieces",
+        Some(_) => Member::Pieces,
     }
 }
 

@@ -1,12 +1,12 @@
 //! A point whose residual is near rounding while some row does not hold to its own numbers: an entry of the solution that
 //! decays to nothing beside the others, and was cut off there. Sweeps find the entries that are missing, however small.
 
-use crate::certify::certify;
+use crate::judge::judge;
 use crate::control::Control;
 use crate::iterative::{Dense, Sweep};
 use crate::pivoting::basis::basic_point;
 use crate::residual::slack;
-use crate::scaling::Equilibrated;
+use crate::equilibrate::Equilibrated;
 use crate::solution::{Candidate, Solution};
 use crate::status::{Status, Termination};
 
@@ -38,8 +38,8 @@ pub(super) fn polished(
         z = basic_point(lcp, &alpha)?;
         z.iter_mut().for_each(|z| *z = z.max(0.0));
         let found = Candidate::point(z.clone(), Termination::ComplementaryBasis, solution.iterations);
-        let found = certify(problem, Candidate { alpha: Some(alpha), ..found }, solution.method, tol);
-        if found.status == Status::Solved {
+        let found = judge(problem, Candidate { alpha: Some(alpha), ..found }, solution.method, tol);
+        if found.status() == Status::Solved {
             return Some(found);
         }
     }
@@ -51,5 +51,5 @@ const NEAR: f64 = 1e-10;
 
 /// Whether only single rows stand between the point and a solution.
 pub(super) fn is_near(solution: &Solution, tol: f64) -> bool {
-    !matches!(solution.status, Status::Solved | Status::Infeasible) && solution.residual <= tol.min(NEAR)
+    !matches!(solution.status(), Status::Solved | Status::Infeasible) && solution.residual <= tol.min(NEAR)
 }

@@ -4,16 +4,17 @@
 //! and is named in the result. A member that fails costs its pivot budget, never the answer.
 
 use super::{Certify, Settings, polish, support, with_limit};
-use crate::certify::certify;
+use crate::judge::judge;
 use crate::control::Control;
 use crate::linalg::dd::Dd;
+use crate::member::Member;
 use crate::methods::{
     bilinear, block_pivoting, chandrasekaran, enumerate, feasibility, interior_point, lemke, lemke_howson,
     principal_pivoting as criss_cross,
 };
 use crate::problem::Lcp;
 use crate::residual::slack;
-use crate::scaling::Equilibrated;
+use crate::equilibrate::Equilibrated;
 use crate::solution::{Candidate, Solution};
 use crate::status::{Status, Termination};
 
@@ -40,19 +41,19 @@ impl<'a> Race<'a> {
     }
 
     /// Runs one member with what is left of the caller's limits. `true` when its answer is final.
-    fn run(&mut self, name: &'static str, method: impl FnOnce(&Control<'_>) -> Candidate) -> bool {
+    fn run(&mut self, name: Member, method: impl FnOnce(&Control<'_>) -> Candidate) -> bool {
         let left = self.control.max_iterations.map(|limit| limit.saturating_sub(self.iterations));
         if self.members > 0 && (left == Some(0) || self.control.expired().is_some()) {
             return true;
         }
-        let mut solution = certify(self.problem, method(&self.control.with_max_iterations(left)), name, self.tol);
+        let mut solution = judge(self.problem, method(&self.control.with_max_iterations(left)), name, self.tol);
         if let Some(polished) = polish::polished(self.problem, &solution, self.tol, &self.control) {
             solution = polished;
         }
         self.iterations += solution.iterations;
         self.members += 1;
         solution.iterations = self.iterations;
-        let is_final = matches!(solution.status, Status::Solved | Status::Infeasible);
+        let is_final = matches!(solution.status(), Status::Solved | Status::Infeasible);
         if is_final || self.best.as_ref().is_none_or(|best| rank(&solution) < rank(best)) {
             self.best = Some(solution);
         }
@@ -62,7 +63,7 @@ impl<'a> Race<'a> {
     fn finish(self) -> Solution {
         let mut solution = self.best.expect("invariant: every race runs its first member");
         solution.iterations = self.iterations;
-        if self.members > 1 && !matches!(solution.status, Status::Solved | Status::Infeasible) {
+        if self.members > 1 && !matches!(solution.status(), Status::Solved | Status::Infeasible) {
             solution.message = format!("{} ({} attempts)", solution.message, self.members);
         }
         solution
@@ -71,9 +72,9 @@ impl<'a> Race<'a> {
 
 /// Which of two unsolved results to report: a limit that was hit says most, then a ray, then a breakdown; then the residual.
 fn rank(solution: &Solution) -> (u8, f64) {
-    let class = match solution.status {
-        Status::NumericalBreakdown if solution.certificate.is_some() => 0,
-        Status::Solved | Status::Infeasible => 0,
+    let class = match solution.status() {
+        Status::NumericalBreakdown if solution.certificate().is_some() => 0,
+        Status::Solved | Status::Infeasible | Status::NearlyInfeasible => 0,
         Status::TimeLimit | Status::MaxIterations => 1,
         Status::SecondaryRay => 2,
         Status::NumericalBreakdown => 3,
@@ -100,7 +101,7 @@ pub(super) fn lemke(
 fn from_guess(race: &mut Race<'_>, settings: &Settings) -> bool {
     let Some(alpha) = settings.z0.as_deref().map(support).filter(|alpha| !alpha.is_empty()) else { return false };
     let lcp = &race.problem.lcp;
-    race.run("lemke_warm", |control| {
+    race.run(Member::LemkeWarm, |control| {
         let limit = control.max_iterations.unwrap_or(usize::MAX).min(20 + lcp.n());
         lemke::lemke_from::<f64>(lcp, &alpha, &control.with_max_iterations(Some(limit)))
     })
@@ -114,8 +115,8 @@ pub(super) fn finished_by_pivots(
     settings: &Settings,
     control: &Control<'_>,
 ) -> Solution {
-    let is_finished = solution.status == Status::Infeasible
-        || (solution.status == Status::Solved && solution.residual <= FINISHED)
+    let is_finished = solution.status() == Status::Infeasible
+        || (solution.status() == Status::Solved && solution.residual <= FINISHED)
         || solution.residual > NEARLY;
     if is_finished || control.max_iterations.is_some() {
         return solution;
@@ -128,15 +129,15 @@ pub(super) fn finished_by_pivots(
     for path in [lemke::lemke_from::<f64>, lemke::lemke_from::<Dd>] {
         let found = path(lcp, &alpha, &limited);
         let (pivots, ended) = (found.iterations, found.termination);
-        let mut found = certify(problem, found, solution.method, settings.tol);
-        if found.status == Status::Solved && found.residual <= solution.residual {
+        let mut found = judge(problem, found, solution.method, settings.tol);
+        if found.status() == Status::Solved && found.residual <= solution.residual {
             found.iterations = solution.iterations;
             found.message.push_str(&format!("; finished by {pivots} pivots of Lemke's method"));
             return found;
         }
-        if matches!(ended, Termination::TimeLimit | Termination::Interrupted) && solution.status != Status::Solved {
+        if matches!(ended, Termination::TimeLimit | Termination::Interrupted) && solution.status() != Status::Solved {
             let unfinished = Candidate::point(z, ended, solution.iterations);
-            return certify(problem, unfinished, solution.method, settings.tol);
+            return judge(problem, unfinished, solution.method, settings.tol);
         }
         if lcp.n() > FINISH_IN_DOUBLE_DOUBLE_UP_TO {
             break;
@@ -155,10 +156,10 @@ const FINISH_IN_DOUBLE_DOUBLE_UP_TO: usize = 1000;
 pub(super) fn principal_pivoting(problem: &Equilibrated<'_>, tol: f64, control: &Control<'_>) -> Solution {
     let mut race = Race::new(problem, tol, control);
     let lcp = &problem.lcp;
-    race.run("principal_pivoting", |control| criss_cross::principal_pivoting::<f64>(lcp, control));
-    let unclear = |best: &Solution| best.status == Status::NumericalBreakdown && best.certificate.is_none();
+    race.run(Member::PrincipalPivoting, |control| criss_cross::principal_pivoting::<f64>(lcp, control));
+    let unclear = |best: &Solution| best.status() == Status::NumericalBreakdown && best.certificate().is_none();
     if race.best.as_ref().is_some_and(unclear) {
-        race.run("principal_pivoting_double_double", |control| criss_cross::principal_pivoting::<Dd>(lcp, control));
+        race.run(Member::PrincipalPivotingDoubleDouble, |control| criss_cross::principal_pivoting::<Dd>(lcp, control));
     }
     race.finish()
 }
@@ -170,7 +171,7 @@ pub(super) fn auto(problem: &Equilibrated<'_>, settings: &Settings, control: &Co
     let lcp = &problem.lcp;
     let n = lcp.n();
     if chandrasekaran::positive_off_diagonal(lcp).is_none()
-        && race.run("chandrasekaran", |control| chandrasekaran::chandrasekaran(lcp, control))
+        && race.run(Member::Chandrasekaran, |control| chandrasekaran::chandrasekaran(lcp, control))
     {
         return race.finish();
     }
@@ -187,7 +188,7 @@ pub(super) fn auto(problem: &Equilibrated<'_>, settings: &Settings, control: &Co
             shift: if n > SHIFT_FROM && settings.certify == Certify::Float { SHIFT } else { 0.0 },
             ..block_pivoting::Settings::default()
         };
-        let found = race.run("block_pivoting", |control| {
+        let found = race.run(Member::BlockPivoting, |control| {
             let limit = control.max_iterations.unwrap_or(usize::MAX).min(BLOCK_PIVOTING_BUDGET);
             block_pivoting::block_pivoting(lcp, &options, &control.with_max_iterations(Some(limit)))
         });
@@ -201,7 +202,7 @@ pub(super) fn auto(problem: &Equilibrated<'_>, settings: &Settings, control: &Co
     if lemke_howson::bimatrix_split(lcp).is_some() {
         for label in [0, n / 2, n - 1] {
             let options = lemke_howson::Settings { label };
-            if race.run("lemke_howson", |control| lemke_howson::lemke_howson(lcp, &options, control)) {
+            if race.run(Member::LemkeHowson, |control| lemke_howson::lemke_howson(lcp, &options, control)) {
                 return race.finish();
             }
         }
@@ -219,14 +220,14 @@ fn last_resorts(mut race: Race<'_>, settings: &Settings) -> Solution {
     }
     // Frictional contact under a heavy load: the pivots that matter are as small as the rounding of redundant rows.
     let options = interior_point::Settings::default();
-    if race.run("interior_point", |control| super::interior_point_candidate(problem, settings, &options, control)) {
+    if race.run(Member::InteriorPoint, |control| super::interior_point_candidate(problem, settings, &options, control)) {
         return race.finish();
     }
     let options = bilinear::Settings::default();
     let programmes =
         |control: &Control<'_>| bilinear::bilinear(lcp, &options, &with_limit(control, pivots_worthwhile(lcp.n())));
-    if !race.run("bilinear", programmes) && lcp.n() <= ENUMERATE_UP_TO {
-        race.run("enumerate", |control| enumerate::enumerate(lcp, control));
+    if !race.run(Member::Bilinear, programmes) && lcp.n() <= ENUMERATE_UP_TO {
+        race.run(Member::Enumerate, |control| enumerate::enumerate(lcp, control));
     }
     race.finish()
 }
@@ -272,7 +273,7 @@ fn from_near(race: &mut Race<'_>) -> bool {
     let near = race.best.as_ref().filter(|best| polish::is_near(best, race.tol));
     let Some(alpha) = near.map(|best| support(&best.z)) else { return false };
     let lcp = &race.problem.lcp;
-    race.run("lemke_double_double", |control| lemke::lemke_from::<Dd>(lcp, &alpha, &with_limit(control, lcp.n())))
+    race.run(Member::LemkeDoubleDouble, |control| lemke::lemke_from::<Dd>(lcp, &alpha, &with_limit(control, lcp.n())))
 }
 
 /// `true` when one of them gave the final answer.
@@ -280,7 +281,7 @@ fn lemke_members(race: &mut Race<'_>, restarts: usize, seed: u64) -> bool {
     let lcp = &race.problem.lcp;
     let n = lcp.n();
     let plain = lemke::Settings::default();
-    if race.run("lemke", |control| lemke::lemke::<f64>(lcp, &plain, control)) {
+    if race.run(Member::Lemke, |control| lemke::lemke::<f64>(lcp, &plain, control)) {
         return true;
     }
     let mut random = fastrand::Rng::with_seed(seed);
@@ -288,7 +289,7 @@ fn lemke_members(race: &mut Race<'_>, restarts: usize, seed: u64) -> bool {
         // (0.1, 1.1)^n: any fixed d can be attacked, a random one needs few pivots on Murty's and Fathi's examples.
         let d = (0..n).map(|_| 0.1 + random.f64()).collect();
         let options = lemke::Settings { d: Some(d) };
-        if race.run("lemke_random_d", |control| lemke::lemke::<f64>(lcp, &options, control)) {
+        if race.run(Member::LemkeRandomD, |control| lemke::lemke::<f64>(lcp, &options, control)) {
             return true;
         }
         if restart > 0 {
@@ -298,11 +299,11 @@ fn lemke_members(race: &mut Race<'_>, restarts: usize, seed: u64) -> bool {
             return true;
         }
         if n <= DOUBLE_DOUBLE_UP_TO
-            && race.run("lemke_double_double", |control| lemke::lemke::<Dd>(lcp, &plain, control))
+            && race.run(Member::LemkeDoubleDouble, |control| lemke::lemke::<Dd>(lcp, &plain, control))
         {
             return true;
         }
-        if race.run("feasibility", |control| feasible_point(lcp, control)) {
+        if race.run(Member::Feasibility, |control| feasible_point(lcp, control)) {
             return true;
         }
     }

@@ -1,96 +1,82 @@
 //! `certify="exact"`: an answer found in floating point is proved in rational arithmetic, repaired, or left unproved.
 //!
 //! The exact methods are exact by construction. What they find is put into the caller's problem all the same before it is
-//! said ([`check_farkas`], [`check_solution`]): one look at the numbers, whatever became of them on the way. Only the equations
+//! said ([`Farkas::new`], [`check_solution`]): one look at the numbers, whatever became of them on the way. Only the equations
 //! of a basis that [`prove_solution`] accepts are not: the p-adic solve has proved them.
 
-use crate::certify::certify_callers;
 use crate::control::Control;
-use crate::exact::dyadic::RationalVec;
+use crate::equilibrate::{Equilibrated, Rows};
 use crate::exact::face::{prove_by_programme, prove_tight};
-use crate::exact::farkas::{check_farkas, repair_farkas};
-use crate::exact::feasibility::Feasibility;
+use crate::exact::feasibility::{Feasibility, feasibility as exact_feasibility};
 use crate::exact::proof::{ExactSolution, ProofOutcome, check_solution, prove_solution};
 use crate::exact::ray::prove_ray;
 use crate::exact::repair::{self, Repaired};
+use crate::judge::proved;
 use crate::linalg::dd::Dd;
 use crate::linalg::kernels::max_abs;
+use crate::member::Member;
 use crate::methods::{feasibility, lemke};
+use crate::problem::Lcp;
+use crate::refute::{Farkas, Refutation};
 use crate::residual::slack;
-use crate::scaling::Equilibrated;
-use crate::solution::{Candidate, Certificate, Solution};
+use crate::solution::Solution;
 use crate::status::{Status, Termination};
+use crate::verdict::{Aside, Certificate, Evidence, Verdict};
 
 /// Proves `solution` on the given binary numbers.
 ///
 /// A solved problem: the support is solved exactly and every sign checked; if the basis was wrong, exact pivoting from
-/// it finds the right one. An infeasible one: an exact Farkas vector. Anything else: exact feasibility, then Lemke's
+/// it finds the right one. An infeasible one is proved already. Anything else: exact feasibility, then Lemke's
 /// method in exact arithmetic. `certificate.exact` says whether it succeeded within the limits of `control`.
-pub(super) fn prove(problem: &Equilibrated<'_>, mut solution: Solution, tol: f64, control: &Control<'_>) -> Solution {
-    let lcp = problem.original;
+pub(super) fn prove<P: Rows>(
+    problem: &Equilibrated<'_, P>,
+    mut solution: Solution,
+    tol: f64,
+    control: &Control<'_>,
+) -> Solution {
+    let Some(lcp) = problem.original.dense() else { return solution };
     let stop = || control.expired().is_some();
-    match solution.status {
+    match solution.status() {
+        Status::Infeasible => return solution,
+        Status::TimeLimit => {}
         Status::Solved => {
-            if let Some(exact) = solution_near(problem, &solution, control, &stop) {
-                return proved(problem, &solution, exact, tol);
+            if let Some(exact) = solution_near(&lcp, &solution, control, &stop) {
+                return proved(problem, exact, &solution, tol);
             }
-            if let Feasibility::Infeasible(exact) = exact_feasibility(problem, control)
-                && check_farkas(lcp, &exact)
-            {
+            if let Some(farkas) = exact_farkas(&lcp, control) {
                 let residual = solution.residual;
-                let mut solution = infeasible(solution, exact);
+                let mut solution = infeasible(solution, farkas);
                 solution.message.push_str(&format!("; z solves it only up to a residual of {residual:.2e}"));
                 return solution;
             }
         }
-        Status::Infeasible => {
-            if let Some(Certificate::Infeasible { y, .. }) = &solution.certificate
-                && let Some(exact) = repair_farkas(lcp, y, &stop)
-            {
-                return infeasible(solution, exact);
+        Status::NearlyInfeasible | Status::SecondaryRay | Status::MaxIterations | Status::NumericalBreakdown => {
+            if let Some(farkas) = exact_farkas(&lcp, control) {
+                return infeasible(solution, farkas);
             }
-            match exact_feasibility(problem, control) {
-                Feasibility::Infeasible(exact) if check_farkas(lcp, &exact) => return infeasible(solution, exact),
-                Feasibility::Feasible(_) => {
-                    // Feasible by less than rounding: the floating-point verdict was wrong.
-                    solution.status = Status::NumericalBreakdown;
-                    solution.certificate = None;
-                    solution.message = "feasible by less than rounding, and no solution was proved".to_owned();
-                    return by_exact_path(problem, solution, tol, &stop);
-                }
-                Feasibility::Infeasible(_) | Feasibility::Interrupted => {}
-            }
+            return by_exact_path(problem, &lcp, solution, tol, &stop);
         }
-        Status::SecondaryRay | Status::MaxIterations | Status::NumericalBreakdown => {
-            if let Feasibility::Infeasible(exact) = exact_feasibility(problem, control)
-                && check_farkas(lcp, &exact)
-            {
-                return infeasible(solution, exact);
-            }
-            return by_exact_path(problem, solution, tol, &stop);
-        }
-        Status::TimeLimit => {}
     }
     solution.message.push_str("; not proved: the limits were reached, or the exact path from this basis ends on a ray");
     solution
 }
 
 /// A proof that the problem has a solution near `solution` or none at all; failing both, `solution` is not called one.
-pub(super) fn or_withdrawn(
-    problem: &Equilibrated<'_>,
+pub(super) fn or_withdrawn<P: Rows>(
+    problem: &Equilibrated<'_, P>,
     solution: Solution,
     tol: f64,
     control: &Control<'_>,
 ) -> Solution {
     let residual = solution.residual;
     let mut solution = prove(problem, solution, tol, control);
-    let unproved = !matches!(
-        solution.certificate,
-        Some(Certificate::Solution { exact: Some(_), .. } | Certificate::Infeasible { exact: Some(_), .. })
+    let is_proved = matches!(
+        solution.certificate(),
+        Some(Certificate::Solution { exact: Some(_), .. } | Certificate::Infeasible { .. })
     );
-    if unproved {
-        solution.status = Status::NumericalBreakdown;
-        solution.certificate = None;
+    if !is_proved {
+        let termination = control.expired().unwrap_or(Termination::Breakdown("only rounding decides"));
+        solution.verdict = Verdict::of(Evidence::Stopped(termination, None));
         solution.message = format!(
             "only rounding decides whether this is a solution: residual {residual:.2e}, and no exact solution was found \
              near it; try lcpstar.solutions"
@@ -102,16 +88,15 @@ pub(super) fn or_withdrawn(
 /// An exact solution next to `solution`: at its basis; on its support with the rows that are tight; at the basis that
 /// Lemke's method in double-doubles reaches from there; on its face; or where exact pivoting ends. Each is checked exactly.
 fn solution_near(
-    problem: &Equilibrated<'_>,
+    lcp: &Lcp,
     solution: &Solution,
     control: &Control<'_>,
     stop: &dyn Fn() -> bool,
 ) -> Option<ExactSolution> {
-    let lcp = problem.original;
     if let ProofOutcome::Proved(exact) = prove_solution(lcp, &solution.alpha, stop) {
         return Some(exact);
     }
-    let near = Near::new(problem, solution);
+    let near = Near::new(lcp, solution);
     let found =
         near.tight_rows(stop).or_else(|| near.double_double_path(control, stop)).or_else(|| near.programmes()).or_else(
             || match repair::repair(lcp, &solution.alpha, stop) {
@@ -124,7 +109,7 @@ fn solution_near(
 
 /// A point that solves the problem to rounding, and where an exact solution is looked for.
 struct Near<'a> {
-    problem: &'a Equilibrated<'a>,
+    problem: Equilibrated<'a>,
     solution: &'a Solution,
     /// On the equilibrated problem.
     z: Vec<f64>,
@@ -138,7 +123,8 @@ const PROGRAMMES_UP_TO: usize = 16;
 const PROGRAMMES: u32 = 64;
 
 impl<'a> Near<'a> {
-    fn new(problem: &'a Equilibrated<'a>, solution: &'a Solution) -> Self {
+    fn new(lcp: &'a Lcp, solution: &'a Solution) -> Self {
+        let problem = Equilibrated::new(lcp);
         let z = problem.scaling.z_from_caller(&solution.z);
         let w = slack(&problem.lcp, &z).0;
         Self { problem, solution, z, w }
@@ -190,50 +176,41 @@ impl<'a> Near<'a> {
 }
 
 /// Lemke's method in exact arithmetic from the best basis; its ray is proved when that is how it ends.
-fn by_exact_path(problem: &Equilibrated<'_>, mut solution: Solution, tol: f64, stop: &dyn Fn() -> bool) -> Solution {
-    let lcp = problem.original;
+fn by_exact_path<P: Rows>(
+    problem: &Equilibrated<'_, P>,
+    lcp: &Lcp,
+    mut solution: Solution,
+    tol: f64,
+    stop: &dyn Fn() -> bool,
+) -> Solution {
     if let Repaired::Solved(exact, pivots) = repair::repair(lcp, &solution.alpha, stop)
         && check_solution(lcp, &exact.z)
     {
         solution.iterations += pivots;
-        solution.method = "exact_lemke";
-        return proved(problem, &solution, exact, tol);
+        solution.method = Member::ExactLemke;
+        return proved(problem, exact, &solution, tol);
     }
     if let Some(ray) = &solution.ray
+        && solution.status() == Status::SecondaryRay
         && let Some(exact) = prove_ray(lcp, &ray.d, &ray.z_hat, ray.z0_hat, stop)
     {
-        solution.certificate = Some(Certificate::Ray { z_hat: exact.z });
+        solution.verdict = Verdict::of(Evidence::Stopped(Termination::SecondaryRay, Some(Aside::Ray(exact.z))));
     }
     solution
 }
 
-/// The verdict on the exact solution, rounded to doubles, with the exact numbers as certificate.
-fn proved(problem: &Equilibrated<'_>, found: &Solution, exact: ExactSolution, tol: f64) -> Solution {
-    let candidate = Candidate {
-        alpha: Some(exact.alpha.clone()),
-        ..Candidate::point(vec![], Termination::ComplementaryBasis, found.iterations)
-    };
-    let mut solution = certify_callers(problem, exact.z.to_f64(), candidate, found.method, tol);
-    let how = if solution.status == Status::Solved {
-        "; proved in exact arithmetic"
-    } else {
-        "; the exact solution in the certificate is proved, but its rounding to doubles exceeds tol"
-    };
-    solution.message.push_str(how);
-    solution.certificate = Some(Certificate::Solution { alpha: exact.alpha, exact: Some(exact.z) });
-    solution
-}
-
-fn infeasible(mut solution: Solution, exact: RationalVec) -> Solution {
-    solution.status = Status::Infeasible;
+fn infeasible(mut solution: Solution, farkas: Farkas) -> Solution {
+    solution.verdict = Verdict::of(Evidence::Refuted(Refutation::Exact(farkas)));
     solution.message = "infeasible, proved in exact arithmetic: y >= 0, A'y <= 0, q'y < 0".to_owned();
-    solution.certificate = Some(Certificate::Infeasible { y: exact.direction_to_f64(), exact: Some(exact) });
     solution
 }
 
-/// The simplex method in doubles proposes a basis, exact pivoting decides from it.
-fn exact_feasibility(problem: &Equilibrated<'_>, control: &Control<'_>) -> Feasibility {
+/// A Farkas vector: the simplex method in doubles proposes a basis, exact pivoting decides from it.
+pub(super) fn exact_farkas(lcp: &Lcp, control: &Control<'_>) -> Option<Farkas> {
     let control = control.with_max_iterations(None);
-    let found = feasibility::feasibility(&problem.lcp, &control);
-    crate::exact::feasibility::feasibility(problem.original, &found.rho, &found.beta, &|| control.expired().is_some())
+    let found = feasibility::feasibility(&Equilibrated::new(lcp).lcp, &control);
+    match exact_feasibility(lcp, &found.rho, &found.beta, &|| control.expired().is_some()) {
+        Feasibility::Infeasible(y) => Farkas::new(lcp, y),
+        Feasibility::Feasible(_) | Feasibility::Interrupted => None,
+    }
 }

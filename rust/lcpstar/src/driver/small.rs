@@ -3,17 +3,18 @@
 use super::pieces::{self, subproblem};
 use super::portfolio::SHIFT;
 use super::{Certify, Method, Settings, check_common, doubt, support};
-use crate::certify::certify;
 use crate::control::Control;
+use crate::equilibrate::Equilibrated;
+use crate::judge::judge;
+use crate::member::Member;
 use crate::methods::block_pivoting;
 use crate::pivoting::basis::basic_point;
 use crate::presolve::{self, Plan};
 use crate::problem::Lcp;
-use crate::residual::natural_residual;
-use crate::scaling::Equilibrated;
-use crate::small::{self, Answer, TINY_ORDER, Verified, verify_point};
-use crate::solution::{Candidate, Certificate, Solution};
-use crate::status::{Status, Termination};
+use crate::small::{self, Accepted, Answer, TINY_ORDER, verify_point};
+use crate::solution::{Candidate, Solution};
+use crate::status::Termination;
+use crate::verdict::{Evidence, Verdict};
 
 /// The kernel's verified answer, part by part where presolve finds some. `None` says nothing about the problem.
 pub(super) fn solve(lcp: &Lcp, settings: &Settings, control: &Control<'_>) -> Option<Solution> {
@@ -49,7 +50,7 @@ pub(super) fn from_guess(lcp: &Lcp, settings: &Settings) -> Option<Solution> {
     let n = lcp.n();
     let z0 = settings.z0.as_deref().filter(|_| n <= TINY_ORDER)?;
     let verified = |z: Vec<f64>, alpha: Vec<usize>, iterations: usize| {
-        Some(Solution { method: "warm_start", iterations, ..with_basis(alpha, verified(lcp, z, settings.tol)?) })
+        verified(lcp, z, Some(alpha), settings.tol).map(|found| Solution { method: Member::WarmStart, iterations, ..found })
     };
     let options =
         block_pivoting::Settings { alpha: Some(support(z0)), patience: 1, ..block_pivoting::Settings::default() };
@@ -77,26 +78,26 @@ pub(super) fn solve_part(lcp: &Lcp, settings: &Settings, control: &Control<'_>) 
     if n > KERNEL_FIRST_UP_TO
         && lcp.is_symmetric()
         && let Some((z, alpha, iterations)) = by_block_pivoting(lcp, balanced.as_ref(), control)
-        && let Some(solution) = verified(lcp, z, settings.tol)
+        && let Some(solution) = verified(lcp, z, Some(alpha), settings.tol)
     {
-        let method = if alpha.is_empty() { "trivial" } else { "block_pivoting" };
-        return Some(Solution { method, iterations, ..with_basis(alpha, solution) });
+        let method = if solution.alpha.is_empty() { Member::Trivial } else { Member::BlockPivoting };
+        return Some(Solution { method, iterations, ..solution });
     }
     let (mut z, mut w) = (vec![0.0; n], vec![0.0; n]);
     let worked_on = balanced.as_ref().map_or(lcp, |problem| &problem.lcp);
     let answer = small::solve(worked_on.a(), worked_on.q(), settings.tol, &mut z, &mut w);
     let (alpha, iterations) = match answer {
-        Answer::Solved(answer) if balanced.is_none() => return Some(solved(z, w, &answer)),
-        Answer::Solved(Verified { alpha, iterations, .. }) | Answer::Basis { alpha, iterations } => {
-            (members(n, alpha), iterations)
+        Answer::Solved { accepted, alpha, iterations } if balanced.is_none() => {
+            return Some(solved(z, w, accepted, members(n, alpha), iterations));
         }
+        Answer::Solved { alpha, iterations, .. } | Answer::Basis { alpha, iterations } => (members(n, alpha), iterations),
         Answer::None => return None,
     };
     let problem = balanced.unwrap_or_else(|| Equilibrated::new(lcp));
-    if matches!(answer, Answer::Solved(_))
-        && let Some(solution) = verified(lcp, problem.scaling.z_to_caller(&z), settings.tol)
+    if matches!(answer, Answer::Solved { .. })
+        && let Some(solution) = verified(lcp, problem.scaling.z_to_caller(&z), Some(alpha.clone()), settings.tol)
     {
-        return Some(Solution { iterations, ..with_basis(alpha, solution) });
+        return Some(Solution { iterations, ..solution });
     }
     from_basis(&problem, alpha, iterations, settings.tol)
 }
@@ -145,14 +146,14 @@ fn from_basis(problem: &Equilibrated<'_>, alpha: Vec<usize>, iterations: usize, 
     let lcp = problem.original;
     let scaled = basic_point(&problem.lcp, &alpha)?;
     let z: Vec<f64> = problem.scaling.z_to_caller(&scaled).iter().map(|z| z.max(0.0)).collect();
-    let solution = match verified(lcp, z, tol) {
-        Some(solution) => Solution { iterations, ..with_basis(alpha, solution) },
+    let solution = match verified(lcp, z, Some(alpha.clone()), tol) {
+        Some(solution) => Solution { iterations, ..solution },
         None => {
             let point = Candidate::point(scaled, Termination::ComplementaryBasis, iterations);
-            certify(problem, Candidate { alpha: Some(alpha), ..point }, "lemke_small", tol)
+            judge(problem, Candidate { alpha: Some(alpha), ..point }, Member::LemkeSmall, tol)
         }
     };
-    (solution.status == Status::Solved && !doubt::misses_q(lcp, &solution)).then_some(solution)
+    (solution.is_solved() && !doubt::misses_q(lcp, &solution)).then_some(solution)
 }
 
 /// Every part by the kernel, the whole verified.
@@ -170,8 +171,8 @@ fn solve_parts(lcp: &Lcp, plan: &Plan, settings: &Settings, control: &Control<'_
         pieces.push((part.indices.clone(), solution.method));
     }
     alpha.sort_unstable();
-    let whole = verified(lcp, z, settings.tol)?;
-    Some(Solution { method: pieces::name(&pieces), iterations, pieces, ..with_basis(alpha, whole) })
+    let whole = verified(lcp, z, Some(alpha), settings.tol)?;
+    Some(Solution { method: pieces::name(&pieces), iterations, pieces, ..whole })
 }
 
 /// Whether block pivoting is likely to end: the diagonal is positive, and A symmetric or without a zero in its first row, which
@@ -200,30 +201,24 @@ fn members(n: usize, bits: u128) -> Vec<usize> {
     (0..n).filter(|i| bits >> i & 1 == 1).collect()
 }
 
-/// A point that was found elsewhere, `z >= 0`, as a solution, if it is one.
-fn verified(lcp: &Lcp, z: Vec<f64>, tol: f64) -> Option<Solution> {
+/// A point that was found elsewhere, `z >= 0`, as a solution, if it is one; with the basis that led to it, or its support.
+fn verified(lcp: &Lcp, z: Vec<f64>, basis: Option<Vec<usize>>, tol: f64) -> Option<Solution> {
     let mut w = vec![0.0; lcp.n()];
-    let answer = verify_point(lcp.a(), lcp.q(), tol, &z, &mut w)?;
-    Some(solved(z, w, &answer))
+    let accepted = verify_point(lcp.a(), lcp.q(), tol, &z, &mut w)?;
+    let alpha = basis.unwrap_or_else(|| support(&z));
+    Some(solved(z, w, accepted, alpha, 0))
 }
 
-/// The same solution, with the basis that led to it in place of its support.
-fn with_basis(alpha: Vec<usize>, solution: Solution) -> Solution {
-    Solution { certificate: Some(Certificate::Solution { alpha: alpha.clone(), exact: None }), alpha, ..solution }
-}
-
-/// The kernel verified its answer by the rule of [`certify`](crate::certify::certify).
-fn solved(z: Vec<f64>, w: Vec<f64>, answer: &Verified) -> Solution {
-    let alpha = members(z.len(), answer.alpha);
+/// What the kernel accepted, by the rule that is stricter than that of the judge.
+fn solved(z: Vec<f64>, w: Vec<f64>, accepted: Accepted, alpha: Vec<usize>, iterations: usize) -> Solution {
     Solution {
-        natural_residual: natural_residual(&z, &w),
+        method: if alpha.is_empty() { Member::Trivial } else { Member::LemkeSmall },
+        natural_residual: accepted.natural_residual(),
+        residual: accepted.residual(),
+        verdict: Verdict::of(Evidence::Accepted(accepted, alpha.clone())),
         z,
         w,
-        status: Status::Solved,
-        method: if alpha.is_empty() { "trivial" } else { "lemke_small" },
-        iterations: answer.iterations,
-        residual: answer.residual,
-        certificate: Some(Certificate::Solution { alpha: alpha.clone(), exact: None }),
+        iterations,
         alpha,
         ray: None,
         pieces: vec![],

@@ -1,10 +1,9 @@
-//! When an iteration may stop, and the best point it has seen. One rule for all of them, in the terms of `certify`.
+//! When an iteration may stop, and the best point it has seen. One rule for all of them, in the terms of the judge.
 
 use super::Matrix;
 use crate::linalg::kernels::max_abs;
-use crate::residual::{ABSOLUTE, Floors, holds_alone};
+use crate::residual::{ABSOLUTE, Row, Rule, off_by};
 use crate::scaling::{Scaling, times_power_of_two};
-use crate::sparse::SparseLcp;
 
 /// The residual to reach, measured on the equilibrated problem whatever problem the iteration runs on.
 ///
@@ -18,8 +17,6 @@ pub struct Goal {
     z_caller: Vec<f64>,
     w_caller: Vec<f64>,
     max_q: f64,
-    /// Where A is sparse.
-    floors: Option<Floors>,
 }
 
 /// The residual of the contract, and its numerator.
@@ -46,14 +43,7 @@ impl Goal {
             z_caller: factors(&|i| scaling.columns[i] - scaling.q),
             w_caller: factors(&|i| -scaling.rows[i] - scaling.q),
             max_q: max_abs(q),
-            floors: None,
         }
-    }
-
-    /// The same for a sparse A: the problem as it is iterated on.
-    #[must_use]
-    pub fn of_sparse(tol: f64, scaling: &Scaling, q: &[f64], scaled: &SparseLcp) -> Self {
-        Self { floors: Some(Floors::new(scaled)), ..Self::new(tol, scaling, scaling, q) }
     }
 
     /// The goal of an iteration on the caller's numbers as they are.
@@ -88,7 +78,7 @@ impl Goal {
         Measure { residual: natural / largest, natural }
     }
 
-    /// Whether `certify` will accept the point, or the point without the smaller member of each pair. O(n^2) for a dense A.
+    /// Whether the judge will accept the point, or the point without the smaller member of each pair. O(n^2) for a dense A.
     #[must_use]
     pub fn is_reached(&self, matrix: &impl Matrix, z: &[f64]) -> bool {
         let (w, magnitude) = matrix.slack(z);
@@ -101,17 +91,19 @@ impl Goal {
         self.accepts(&pairs, &w, &magnitude)
     }
 
-    /// The views of `certify`: both residuals, every row in the caller's units, and every row beside its own numbers.
+    /// The [`Rule`] of the judge.
     fn accepts(&self, z: &[f64], w: &[f64], magnitude: &[f64]) -> bool {
-        let allowed = 10.0 * self.tol * self.max_q;
-        self.may_be_reached(self.measure(z, w))
-            && (0..z.len()).all(|i| {
-                let g = factor(&self.w_factor, i);
-                let floor = self.floors.as_ref().map_or(0.0, |floors| floors.of(i, magnitude[i]));
-                let (caller_z, caller_w) = (z[i] * self.z_caller[i], w[i] * self.w_caller[i]);
-                caller_z.min(caller_w).abs() <= allowed + 8.0 * f64::EPSILON * magnitude[i] * self.w_caller[i]
-                    && holds_alone(z[i] * factor(&self.z_factor, i), w[i] * g, magnitude[i] * g, self.tol, floor)
-            })
+        let mut rule = Rule::new(self.tol, self.max_q);
+        for i in 0..z.len() {
+            let off = off_by(z[i], w[i]);
+            rule.add(Row {
+                equilibrated: [z[i] * factor(&self.z_factor, i), w[i] * factor(&self.w_factor, i)],
+                caller: [z[i] * self.z_caller[i], w[i] * self.w_caller[i], magnitude[i] * self.w_caller[i]],
+                part: if off == 0.0 { 0.0 } else { off / magnitude[i] },
+                is_tail: false,
+            });
+        }
+        rule.passed(0.0).is_some()
     }
 
     fn may_be_reached(&self, measure: Measure) -> bool {

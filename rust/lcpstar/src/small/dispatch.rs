@@ -65,8 +65,8 @@ fn run_in<X: Lane<Number = f64>>(
             outcome
         }
         Task::Verify { z } => {
-            let judged = lemke.verify_point(a, q, z, w, tol);
-            Outcome { judged, found_basis: false, pivots: 0 }
+            let accepted = lemke.verify_point(a, q, z, w, tol);
+            Outcome { accepted, found_basis: false, pivots: 0 }
         }
     };
     home.set(Some(lemke));

@@ -66,6 +66,12 @@ pub trait Lane: Copy {
     fn add_product(self, a: Self, b: Self) -> Self;
     /// `self - a b`.
     fn sub_product(self, a: Self, b: Self) -> Self;
+    /// The e with `2^(e-1) <= |x| < 2^e`, for normal numbers.
+    fn exponent(self) -> Self;
+    /// Each number rounded towards zero.
+    fn truncated(self) -> Self;
+    /// `2^x` for integers of at most 1000 in size.
+    fn two_to(self) -> Self;
     /// `|self|`.
     fn abs(self) -> Self;
     /// `-self`.

@@ -9,13 +9,13 @@ use super::covering::Covering;
 use super::lane::Lane;
 use super::ratio::{first_to_reach_zero, last_to_become_nonnegative};
 use super::tableau::{Tableau, WIDTH, at, put};
-use super::verify::{Judged, is_small_when_equilibrated, verify_one};
+use super::verify::{Accepted, verify_one};
 
 /// What came of a run.
 #[derive(Clone, Copy)]
 pub struct Outcome {
     /// The point solves the problem.
-    pub judged: Option<Judged>,
+    pub accepted: Option<Accepted>,
     /// The method ended with a complementary basis, and the point is its.
     pub found_basis: bool,
     pub pivots: usize,
@@ -87,39 +87,23 @@ impl<X: Lane<Number = f64>> Lemke<X> {
             }
         }
         let found_basis = stop == Stop::Basis;
-        let judged = if found_basis {
-            let judged = self.refined(a, q, w, tol);
-            self.settled(judged, a, q, w, tol)
-        } else {
-            None
-        };
-        Outcome { judged, found_basis, pivots: self.pivots }
+        let accepted = if found_basis { self.refined(a, q, w, tol) } else { None };
+        Outcome { accepted, found_basis, pivots: self.pivots }
     }
 
     /// Judges a point `z >= 0` that was found elsewhere; `w = A z + q` as computed. O(n^2).
     #[inline(always)]
-    pub fn verify_point(&mut self, a: &[f64], q: &[f64], z: &[f64], w: &mut [f64], tol: f64) -> Option<Judged> {
+    pub fn verify_point(&mut self, a: &[f64], q: &[f64], z: &[f64], w: &mut [f64], tol: f64) -> Option<Accepted> {
         self.resize(q.len());
         for (x, z) in self.z.iter_mut().zip(z.chunks(WIDTH)) {
             *x = X::from_slice(z);
         }
-        let judged = self.judge(a, q, w, tol);
-        self.settled(judged, a, q, w, tol)
+        self.judge(a, q, w, tol)
     }
 
     #[inline(always)]
-    fn judge(&mut self, a: &[f64], q: &[f64], w: &mut [f64], tol: f64) -> Judged {
+    fn judge(&mut self, a: &[f64], q: &[f64], w: &mut [f64], tol: f64) -> Option<Accepted> {
         verify_one(a, q, &self.z, &mut self.sums, w, tol)
-    }
-
-    /// The verdict, if it is that the point solves the problem.
-    #[inline(always)]
-    fn settled(&self, mut judged: Judged, a: &[f64], q: &[f64], w: &[f64], tol: f64) -> Option<Judged> {
-        if judged.unsettled {
-            let z: Vec<f64> = (0..self.n).map(|j| self.z(j)).collect();
-            judged.solved = is_small_when_equilibrated(self.n, a, q, &z, w, tol);
-        }
-        judged.solved.then_some(judged)
     }
 
     /// Memory for problems of order n.
@@ -182,20 +166,20 @@ impl<X: Lane<Number = f64>> Lemke<X> {
 
     /// Puts the basic z's in place, negative rounding set to zero, and judges them; `w = A z + q` as computed.
     #[inline(always)]
-    fn refined(&mut self, a: &[f64], q: &[f64], w: &mut [f64], tol: f64) -> Judged {
+    fn refined(&mut self, a: &[f64], q: &[f64], w: &mut [f64], tol: f64) -> Option<Accepted> {
         self.z.fill(X::splat(0.0));
         for (i, j) in self.tableau.basic_z() {
             put(&mut self.z, j, at(self.tableau.values::<0>(), i).max(0.0));
         }
-        let mut judged = self.judge(a, q, w, tol);
+        let mut accepted = self.judge(a, q, w, tol);
         for _ in 0..REFINEMENTS {
-            if judged.solved || judged.unsettled {
+            if accepted.is_some() {
                 break;
             }
             self.refine(q, w);
-            judged = self.judge(a, q, w, tol);
+            accepted = self.judge(a, q, w, tol);
         }
-        judged
+        accepted
     }
 
     /// `z_a -= A_aa^-1 w_a`; what is rounding error beside the terms of `A_aa^-1 q_a` becomes zero.

@@ -5,7 +5,7 @@ use crate::linalg::backend::{GramCholesky, StackedQr};
 use crate::linalg::kernels::{axpy, dot};
 use crate::problem::Lcp;
 use crate::residual::slack;
-use crate::scaling::Equilibrated;
+use crate::equilibrate::Equilibrated;
 use crate::solution::Candidate;
 use crate::status::Termination;
 

@@ -112,6 +112,18 @@ impl<X: Lane> Lane for Pair<X> {
         Self([self.0[0].sub_product(a.0[0], b.0[0]), self.0[1].sub_product(a.0[1], b.0[1])])
     }
     #[inline(always)]
+    fn exponent(self) -> Self {
+        Self([self.0[0].exponent(), self.0[1].exponent()])
+    }
+    #[inline(always)]
+    fn truncated(self) -> Self {
+        Self([self.0[0].truncated(), self.0[1].truncated()])
+    }
+    #[inline(always)]
+    fn two_to(self) -> Self {
+        Self([self.0[0].two_to(), self.0[1].two_to()])
+    }
+    #[inline(always)]
     fn abs(self) -> Self {
         Self([self.0[0].abs(), self.0[1].abs()])
     }
