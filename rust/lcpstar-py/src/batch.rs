@@ -1,6 +1,7 @@
 //! `solve_batch`: borrow the arrays, leave the interpreter, write the results.
 
-use lcpstar::batch::{self, Alpha, Guess, METHODS, Numbers, Output, Problems, Settings, Source};
+use lcpstar::Member;
+use lcpstar::batch::{self, Alpha, Guess, Numbers, Output, Problems, Settings, Source};
 use lcpstar::driver::Method;
 use numpy::{Element, PyArrayDyn, PyArrayMethods, PyReadonlyArray1, PyReadonlyArrayDyn, PyReadwriteArrayDyn};
 use pyo3::prelude::*;
@@ -154,5 +155,5 @@ pub fn solve_batch<'py>(
 /// Names of the method codes.
 #[pyfunction]
 pub fn batch_methods() -> Vec<&'static str> {
-    METHODS.to_vec()
+    Member::NAMES.to_vec()
 }

@@ -1,7 +1,7 @@
 //! `lcpstar.Solution`: frozen, arrays built on first use so that a call of `solve` costs no array nobody reads.
 
 use lcpstar::exact::dyadic::RationalVec;
-use lcpstar::{Certificate, Ray, Solution, Status};
+use lcpstar::{Certificate, Ray, Solution};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
@@ -65,14 +65,15 @@ fn certificate_object(py: Python<'_>, certificate: &Certificate) -> PyResult<Py<
                 fields.set_item("z", fractions(py, z)?)?;
             }
         }
-        Certificate::Infeasible { exact: Some(y), .. } => {
+        Certificate::Infeasible { y } => {
             fields.set_item("kind", "infeasible")?;
             fields.set_item("exact", true)?;
             fields.set_item("y", fractions(py, y)?)?;
         }
-        Certificate::Infeasible { y, exact: None } => {
-            fields.set_item("kind", "infeasible")?;
+        Certificate::NearlyInfeasible { y, bound } => {
+            fields.set_item("kind", "nearly_infeasible")?;
             fields.set_item("y", frozen_array(py, y))?;
+            fields.set_item("bound", bound)?;
         }
         Certificate::Ray { z_hat } => {
             fields.set_item("kind", "ray")?;
@@ -107,12 +108,12 @@ fn ray_object(py: Python<'_>, ray: &Ray) -> PyResult<Py<PyAny>> {
 impl PySolution {
     #[getter]
     fn z(&self, py: Python<'_>) -> Py<PyArray1<f64>> {
-        self.z.get_or_init(py, || frozen_array(py, &self.inner.z)).clone_ref(py)
+        self.z.get_or_init(py, || frozen_array(py, self.inner.z())).clone_ref(py)
     }
 
     #[getter]
     fn w(&self, py: Python<'_>) -> Py<PyArray1<f64>> {
-        self.w.get_or_init(py, || frozen_array(py, &self.inner.w)).clone_ref(py)
+        self.w.get_or_init(py, || frozen_array(py, self.inner.w())).clone_ref(py)
     }
 
     #[getter]
@@ -120,37 +121,37 @@ impl PySolution {
         static STATUS: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
         let class =
             STATUS.get_or_try_init(py, || PyResult::Ok(py.import("lcpstar.result")?.getattr("Status")?.unbind()))?;
-        class.call1(py, (self.inner.status.as_str(),))
+        class.call1(py, (self.inner.status().as_str(),))
     }
 
     #[getter]
     fn success(&self) -> bool {
-        self.inner.status == Status::Solved
+        self.inner.is_solved()
     }
 
     #[getter]
     fn method(&self) -> &str {
-        self.inner.method
+        self.inner.method().as_str()
     }
 
     #[getter]
     fn iterations(&self) -> usize {
-        self.inner.iterations
+        self.inner.iterations()
     }
 
     #[getter]
     fn residual(&self) -> f64 {
-        self.inner.residual
+        self.inner.residual()
     }
 
     #[getter]
     fn natural_residual(&self) -> f64 {
-        self.inner.natural_residual
+        self.inner.natural_residual()
     }
 
     #[getter]
     fn alpha(&self) -> Vec<usize> {
-        self.inner.alpha.clone()
+        self.inner.alpha().to_vec()
     }
 
     #[getter]
@@ -158,25 +159,25 @@ impl PySolution {
         if let Some(proof) = &self.proof {
             return Ok(Some(proof.clone_ref(py)));
         }
-        let Some(certificate) = &self.inner.certificate else { return Ok(None) };
+        let Some(certificate) = self.inner.certificate() else { return Ok(None) };
         let object = self.certificate.get_or_try_init(py, || certificate_object(py, certificate))?;
         Ok(Some(object.clone_ref(py)))
     }
 
     #[getter]
     fn ray(&self, py: Python<'_>) -> PyResult<Option<Py<PyAny>>> {
-        let Some(ray) = &self.inner.ray else { return Ok(None) };
+        let Some(ray) = self.inner.ray() else { return Ok(None) };
         Ok(Some(self.ray.get_or_try_init(py, || ray_object(py, ray))?.clone_ref(py)))
     }
 
     #[getter]
     fn pieces(&self) -> Vec<(Vec<usize>, &'static str)> {
-        self.inner.pieces.clone()
+        self.inner.pieces().iter().map(|(indices, method)| (indices.clone(), method.as_str())).collect()
     }
 
     #[getter]
     fn message(&self) -> &str {
-        &self.inner.message
+        self.inner.message()
     }
 
     #[getter]
@@ -193,12 +194,12 @@ impl PySolution {
         let inner = &self.inner;
         format!(
             "Solution({}, method={:?}, n={}, iterations={}, residual={:.2e}, natural_residual={:.2e})",
-            inner.status.as_str(),
-            inner.method,
-            inner.z.len(),
-            inner.iterations,
-            inner.residual,
-            inner.natural_residual
+            inner.status().as_str(),
+            inner.method().as_str(),
+            inner.z().len(),
+            inner.iterations(),
+            inner.residual(),
+            inner.natural_residual()
         )
     }
 

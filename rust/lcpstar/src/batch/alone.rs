@@ -2,8 +2,9 @@
 //! general solver.
 
 use super::io::{Guess, Output, Problems, Settings};
-use super::work::{GUESS_ORDER, LEMKE, METHODS, Task, method_code};
+use super::work::{GUESS_ORDER, LEMKE, Task};
 use crate::judge::judge;
+use crate::member::Member;
 use crate::control::Control;
 use crate::driver::{self, doubt};
 use crate::error::{LcpError, Result};
@@ -13,7 +14,7 @@ use crate::small::TINY_ORDER;
 use crate::small::ahead::Ahead;
 use crate::small::dispatch;
 use crate::solution::{Candidate, Solution};
-use crate::status::{Status, Termination};
+use crate::status::Termination;
 
 /// Largest order for which Lemke's method is tried before the general solver.
 const SMALL_ORDER: usize = 192;
@@ -105,12 +106,8 @@ impl<'a> Alone<'a> {
             let solve = dispatch::Task::Solve { z, basic: &mut self.basic, ahead: &mut self.ahead };
             let outcome = dispatch::run(solve, a, q, w, tol);
             self.ahead.rest();
-            if let Some(judged) = outcome.judged {
-                output.status[k] = Status::Solved as u8;
-                output.method[k] = LEMKE;
-                output.iterations[k] = outcome.pivots as u32;
-                output.residual[k] = judged.residual;
-                output.natural_residual[k] = judged.natural_residual;
+            if let Some(accepted) = outcome.accepted {
+                output.accept(k, LEMKE, outcome.pivots as u32, &accepted);
                 output.alpha.write(n, k, |i| self.basic[i]);
                 continue;
             }
@@ -134,8 +131,8 @@ fn unverified(a: &[f64], q: &[f64], z: &[f64], basic: &[bool], pivots: usize, to
     let problem = Equilibrated::new(&lcp);
     let alpha = (0..n).filter(|&j| basic[j]).collect();
     let point = Candidate::point(problem.scaling.z_from_caller(z), Termination::ComplementaryBasis, pivots);
-    let solution = judge(&problem, Candidate { alpha: Some(alpha), ..point }, METHODS[usize::from(LEMKE)], tol);
-    (solution.status() == Status::Solved && !doubt::misses_q(&lcp, &solution)).then_some(solution)
+    let solution = judge(&problem, Candidate { alpha: Some(alpha), ..point }, Member::Lemke, tol);
+    (solution.is_solved() && !doubt::misses_q(&lcp, &solution)).then_some(solution)
 }
 
 /// A problem of the batch for the general solver.
@@ -156,7 +153,7 @@ fn write(output: &mut Output<'_>, n: usize, k: usize, solution: &Solution) {
     output.z[range.clone()].copy_from_slice(&solution.z);
     output.w[range].copy_from_slice(&solution.w);
     output.status[k] = solution.status() as u8;
-    output.method[k] = method_code(solution.method);
+    output.method[k] = solution.method.code();
     output.iterations[k] = u32::try_from(solution.iterations).unwrap_or(u32::MAX);
     output.residual[k] = solution.residual;
     output.natural_residual[k] = solution.natural_residual;

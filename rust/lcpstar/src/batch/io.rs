@@ -1,7 +1,9 @@
 //! What goes into a batch and what comes out: borrowed arrays, never copied whole.
 
 use crate::driver::Method;
+use crate::small::Accepted;
 use crate::small::ahead::Ahead;
+use crate::small::verify::SOLVED;
 
 /// Which block of an array belongs to problem k.
 #[derive(Clone, Copy, Debug)]
@@ -206,19 +208,29 @@ pub struct Output<'a> {
     pub w: &'a mut [f64],
     /// [`Status`](crate::Status) as a number, in the order of its variants.
     pub status: &'a mut [u8],
-    /// Index into [`METHODS`](super::METHODS).
+    /// [`Member`](crate::Member) as its code.
     pub method: &'a mut [u8],
     /// Factorisations, pivots or iterations.
     pub iterations: &'a mut [u32],
-    /// Bound of the scale-free residual.
+    /// The scale-free residual.
     pub residual: &'a mut [f64],
-    /// Bound of the natural residual in the caller's units.
+    /// The natural residual in the caller's units.
     pub natural_residual: &'a mut [f64],
     /// Supports.
     pub alpha: Alpha<'a>,
 }
 
 impl Output<'_> {
+    /// What a kernel accepted, for problem k; the point and its support are written already.
+    #[inline(always)]
+    pub(super) fn accept(&mut self, k: usize, method: u8, iterations: u32, accepted: &Accepted) {
+        self.status[k] = SOLVED;
+        self.method[k] = method;
+        self.iterations[k] = iterations;
+        self.residual[k] = accepted.residual();
+        self.natural_residual[k] = accepted.natural_residual();
+    }
+
     /// The results of the first `problems` problems of order `n`, and the rest.
     pub(super) fn split(self, problems: usize, n: usize) -> (Self, Self) {
         let (z, z_rest) = self.z.split_at_mut(problems * n);

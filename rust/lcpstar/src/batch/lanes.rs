@@ -11,7 +11,7 @@ use super::newton::{Step, Tile, improve_guess, multiply, newton, refine, solve_g
 use super::work::{ENUMERATE, LEMKE, NEWTON, Task};
 use crate::small::lane::{BLOCK, Lane, MOST_LANES, Mask};
 use crate::small::lemke::PIVOTS_PER_ROW;
-use crate::small::verify::{Verdict, is_small_when_equilibrated, verify};
+use crate::small::verify::{Verdict, verify};
 use phase::{PHASES, Phase};
 use transport::{transpose, widen};
 
@@ -309,7 +309,7 @@ impl<X: Lane<Number = f64>, S: Lane<Number = f32>> Lanes<X, S> {
         let mut refined = 0;
         let verdict = loop {
             let verdict = self.verdict::<N>(group.task.settings.tol);
-            let wanting = lanes.and(verdict.solved.not());
+            let wanting = lanes.and(verdict.solved().not());
             if refined == refinements || !wanting.any() {
                 break verdict;
             }
@@ -320,7 +320,7 @@ impl<X: Lane<Number = f64>, S: Lane<Number = f32>> Lanes<X, S> {
                 refine::<X, N>(self.n, &mut self.tile, wanting);
             }
         };
-        let unsolved = lanes.and(verdict.solved.not());
+        let unsolved = lanes.and(verdict.solved().not());
         if phase == Phase::Guess && unsolved.any() {
             improve_guess::<X, N>(self.n, &mut self.tile);
             self.keep_guesses(group, unsolved);
@@ -336,22 +336,7 @@ impl<X: Lane<Number = f64>, S: Lane<Number = f32>> Lanes<X, S> {
     #[inline(always)]
     fn verdict<const N: usize>(&self, tol: f64) -> Verdict<X> {
         let tile = &self.tile;
-        let mut verdict = verify::<X, N>(self.n, &tile.a, &tile.q, &tile.z, &tile.w, tol);
-        if verdict.unsettled.any() {
-            self.equilibrate(&mut verdict, tol);
-        }
-        verdict
-    }
-
-    /// Decides the lanes that need the scaling of their problem, one by one.
-    fn equilibrate(&self, verdict: &mut Verdict<X>, tol: f64) {
-        let (n, tile) = (self.n, &self.tile);
-        let lane = |v: &[X], l: usize| -> Vec<f64> { v.iter().map(|x| x.get(l)).collect() };
-        for l in (0..X::LANES).filter(|&l| verdict.unsettled.get(l)) {
-            let (a, q) = (lane(&tile.a[..n * n], l), lane(&tile.q[..n], l));
-            let (z, w) = (lane(&tile.z[..n], l), lane(&tile.w[..n], l));
-            verdict.solved.set(l, is_small_when_equilibrated(n, &a, &q, &z, &w, tol));
-        }
+        verify::<X, N>(self.n, &tile.a, &tile.q, &tile.z, &tile.w, tol)
     }
 
     /// Lanes with a positive diagonal and lanes with a symmetric matrix.

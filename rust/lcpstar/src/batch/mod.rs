@@ -17,4 +17,3 @@ mod work;
 
 pub use io::{Alpha, Guess, Numbers, Output, Problems, Settings, Source};
 pub use schedule::solve_batch;
-pub use work::METHODS;

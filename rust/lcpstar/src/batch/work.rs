@@ -3,8 +3,8 @@
 use super::alone::Alone;
 use super::io::{Output, Problems, Settings};
 use super::lanes::Lanes;
-use crate::driver;
 use crate::error::Result;
+use crate::member::Member;
 #[cfg(target_arch = "x86_64")]
 use crate::small::avx::{Ymm2, YmmS, Zmm, ZmmS};
 #[cfg(target_arch = "x86_64")]
@@ -19,42 +19,9 @@ const PAIR_ORDER: usize = 16;
 /// Largest order for which a guessed support is tried in lanes.
 pub(super) const GUESS_ORDER: usize = 32;
 
-const COUNT: usize = driver::Method::NAMES.len() + driver::MEMBERS.len();
-
-/// Names of the methods in [`Output::method`](super::Output::method): all that a result may bear.
-pub const METHODS: [&str; COUNT] = {
-    let mut all = [""; COUNT];
-    let (methods, members) = all.split_at_mut(driver::Method::NAMES.len());
-    methods.copy_from_slice(driver::Method::NAMES);
-    members.copy_from_slice(driver::MEMBERS);
-    all
-};
-pub(super) const NEWTON: u8 = code("newton");
-pub(super) const LEMKE: u8 = code("lemke");
-pub(super) const ENUMERATE: u8 = code("enumerate");
-pub(super) const AUTO: u8 = code("auto");
-
-/// The place of a name in [`METHODS`]; one that is not there stops the compiler.
-const fn code(name: &str) -> u8 {
-    let mut i = 0;
-    while !is_same(METHODS[i].as_bytes(), name.as_bytes()) {
-        i += 1;
-    }
-    i as u8
-}
-
-const fn is_same(a: &[u8], b: &[u8]) -> bool {
-    let mut i = 0;
-    while i < a.len() && i < b.len() && a[i] == b[i] {
-        i += 1;
-    }
-    i == a.len() && i == b.len()
-}
-
-/// The place of a name of the general solver in [`METHODS`].
-pub(super) fn method_code(name: &str) -> u8 {
-    METHODS.iter().position(|&known| known == name).map_or(AUTO, |i| i as u8)
-}
+pub(super) const NEWTON: u8 = Member::Newton.code();
+pub(super) const LEMKE: u8 = Member::Lemke.code();
+pub(super) const ENUMERATE: u8 = Member::Enumerate.code();
 
 /// Problems `first..first + output.status.len()` of a batch.
 pub struct Chunk<'a> {
@@ -135,22 +102,4 @@ pub(super) struct Task<'a> {
     pub settings: &'a Settings<'a>,
     /// Place of the chunk in the batch.
     pub first: usize,
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn every_member_of_the_portfolio_has_a_name_in_a_batch() {
-        let source = concat!(include_str!("../driver/portfolio.rs"), include_str!("../driver/prove.rs"));
-        let names: Vec<&str> = source.split("race.run(\"").skip(1).filter_map(|rest| rest.split('"').next()).collect();
-        assert!(names.len() > 9, "{names:?}");
-        for name in names {
-            assert_eq!(METHODS[usize::from(method_code(name))], name);
-        }
-        for (i, name) in METHODS.iter().enumerate() {
-            assert_eq!(usize::from(method_code(name)), i, "{name} is listed twice");
-        }
-    }
 }

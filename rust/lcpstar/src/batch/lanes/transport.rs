@@ -6,7 +6,6 @@ use crate::batch::minors::MINORS_ORDER;
 use crate::batch::work::Task;
 use crate::small::lane::{BLOCK, Lane, MOST_LANES, Mask};
 use crate::small::verify::Verdict;
-use crate::status::Status;
 
 impl<X: Lane<Number = f64>, S: Lane<Number = f32>> Lanes<X, S> {
     /// Copies problems into the lanes; spare lanes repeat the last one. Blocks of A that the lanes hold already stay.
@@ -55,7 +54,7 @@ impl<X: Lane<Number = f64>, S: Lane<Number = f32>> Lanes<X, S> {
         output: &mut Output<'_>,
     ) {
         let n = if N == 0 { self.n } else { N };
-        let solved = group.open.and(found.lanes).and(verdict.solved);
+        let solved = group.open.and(found.lanes).and(verdict.solved());
         group.open = group.open.and(solved.not());
         let solved = solved.bits();
         if solved == 0 {
@@ -74,21 +73,14 @@ impl<X: Lane<Number = f64>, S: Lane<Number = f32>> Lanes<X, S> {
                 out[k * n..(k + count) * n].copy_from_slice(&self.rows[l * n..(l + count) * n]);
             }
         }
-        let (masks, mut iterations) = (self.tile.masks(n), [0; MOST_LANES]);
-        let (mut residual, mut natural_residual) = ([0.0; MOST_LANES], [0.0; MOST_LANES]);
-        for l in 0..X::LANES {
-            iterations[l] = u32::from(found.iterations[l]);
-            residual[l] = verdict.residual.get(l);
-            natural_residual[l] = verdict.natural_residual.get(l);
-        }
+        let masks = self.tile.masks(n);
         for (l, k, count) in runs(group.members, solved) {
-            let (from, to) = (l..l + count, k..k + count);
-            output.status[to.clone()].fill(Status::Solved as u8);
-            output.method[to.clone()].fill(found.method);
-            output.iterations[to.clone()].copy_from_slice(&iterations[from.clone()]);
-            output.residual[to.clone()].copy_from_slice(&residual[from.clone()]);
-            output.natural_residual[to].copy_from_slice(&natural_residual[from.clone()]);
-            output.alpha.write_masks(n, k, &masks[from]);
+            for (l, k) in (l..l + count).zip(k..) {
+                if let Some(accepted) = verdict.accepted(l) {
+                    output.accept(k, found.method, u32::from(found.iterations[l]), &accepted);
+                }
+            }
+            output.alpha.write_masks(n, k, &masks[l..l + count]);
         }
     }
 }
