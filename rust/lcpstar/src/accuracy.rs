@@ -9,7 +9,6 @@ use crate::linalg::backend::SparseFactor;
 use crate::problem::{Lcp, check_finite};
 use crate::residual::{equilibrated_residual, natural_residual, slack};
 use crate::equilibrate::Equilibrated;
-use crate::scaling::Scaling;
 use crate::sparse::SparseLcp;
 use bound::Bound;
 
@@ -51,8 +50,7 @@ pub fn accuracy(lcp: &Lcp, z: &[f64]) -> Result<Accuracy> {
 pub fn accuracy_sparse(lcp: &SparseLcp, z: &[f64]) -> Result<Accuracy> {
     check(lcp.n(), z)?;
     let (w, magnitude) = lcp.slack(z);
-    let scaling = Scaling::of_sparse(lcp);
-    let scaled = lcp.scaled(&scaling);
+    let Equilibrated { lcp: scaled, scaling, .. } = Equilibrated::new(lcp);
     let scaled_z = scaling.z_from_caller(z);
     let residual = equilibrated_residual(&scaled_z, &scaled.slack(&scaled_z).0);
     let bounds = [bound::comparison_sparse(lcp, &scaled, &scaling, z)];

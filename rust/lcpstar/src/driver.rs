@@ -197,6 +197,9 @@ pub fn solve_at_length(lcp: &Lcp, settings: &Settings, control: &Control<'_>) ->
     if is_auto && doubt::hides_q(lcp, &solution) {
         return Ok(prove::or_withdrawn(&problem, solution, settings.tol, control));
     }
+    if is_auto && doubt::is_undecided(&solution) {
+        return Ok(prove::prove(&problem, solution, settings.tol, control));
+    }
     Ok(finished(&problem, solution, settings, control))
 }
 

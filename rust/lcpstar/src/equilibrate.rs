@@ -2,7 +2,7 @@
 
 use crate::linalg::kernels;
 use crate::problem::Lcp;
-use crate::scaling::{self, Scaling, ZERO, are_ordinary, exponent, power_of_two, times_power_of_two};
+use crate::scaling::{Scaling, ZERO, are_ordinary, exponent, power_of_two, times_power_of_two};
 use crate::sparse::SparseLcp;
 use std::borrow::Cow;
 
@@ -140,7 +140,7 @@ pub struct Equilibrated<'a, P = Lcp> {
     pub lcp: P,
     /// How the one became the other.
     pub scaling: Scaling,
-    /// Whether every number of both is in [`scaling::ORDINARY`], or zero in both: then no product or sum of a few overflows or
+    /// Whether every number of both is in [`ORDINARY`](crate::scaling::ORDINARY), or zero in both: then no product or sum of a few overflows or
     /// loses digits.
     pub is_ordinary: bool,
 }

@@ -179,7 +179,7 @@ fn halve(exponent: &mut i32, largest: i32) -> bool {
 }
 
 /// Two exponents up to this size have a sum in the normal range.
-pub const MODERATE: i32 = 500;
+const MODERATE: i32 = 500;
 
 #[cfg(test)]
 mod tests {

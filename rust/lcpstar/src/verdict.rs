@@ -22,6 +22,7 @@ pub struct Verdict {
 }
 
 /// What a verdict rests on.
+#[expect(dead_code, reason = "tokens are there to be there, not to be read")]
 pub(crate) enum Evidence {
     /// A point passed the rule of the judge; the support or basis that it belongs to.
     Passed(Passed, Vec<usize>),

@@ -213,12 +213,12 @@ impl Plan {
                     Some(format!("{:.1} s", time.as_secs_f64()))
                 }
                 Outcome::Answer(answer) => {
-                    let score = if is_batch(way) && answer.status == Status::Infeasible {
+                    let score = if is_batch(way) && is_refuted(answer.status) {
                         infeasible_in_batch(&case, &infeasible)
                     } else {
                         case.score(&answer, tol)
                     };
-                    if answer.status == Status::Infeasible && way == AUTO {
+                    if is_refuted(answer.status) && way == AUTO {
                         infeasible = Some(score.clone());
                     }
                     if self.print {
@@ -239,6 +239,10 @@ impl Plan {
             }
         }
     }
+}
+
+fn is_refuted(status: Status) -> bool {
+    matches!(status, Status::Infeasible | Status::NearlyInfeasible)
 }
 
 fn is_batch(way: usize) -> bool {
@@ -330,16 +334,6 @@ fn solve(problem: &Problem, way: usize, tol: f64, z0: Option<Vec<f64>>) -> Outco
     }
 }
 
-/// The statuses in the order in which a batch numbers them.
-const STATUSES: [Status; 6] = [
-    Status::Solved,
-    Status::Infeasible,
-    Status::SecondaryRay,
-    Status::MaxIterations,
-    Status::TimeLimit,
-    Status::NumericalBreakdown,
-];
-
 /// All problems in one call; `None` when it failed, which the single calls will show.
 fn solve_batch(problems: &[Problem], tol: f64, guess: Guess<'_>) -> Option<Vec<Answer>> {
     let (count, n) = (problems.len(), problems[0].n);
@@ -367,11 +361,11 @@ fn solve_batch(problems: &[Problem], tol: f64, guess: Guess<'_>) -> Option<Vec<A
         q: batch::Numbers::Double(&q),
         q_source: Source::Each,
     };
-    let settings = batch::Settings { method: &Method::Auto, tol, threads: 1, guess, interrupted: None, polish: false };
+    let settings = batch::Settings { method: &Method::Auto, tol, threads: 1, guess, interrupted: None };
     let run = || batch::solve_batch(&given, &settings, output);
     catch_unwind(AssertUnwindSafe(run)).ok()?.ok()?;
     let answer = |k: usize| Answer {
-        status: STATUSES[usize::from(status[k])],
+        status: Status::ALL[usize::from(status[k])],
         z: z[k * n..(k + 1) * n].to_vec(),
         w: w[k * n..(k + 1) * n].to_vec(),
         residual: residual[k],

@@ -11,14 +11,15 @@
 //! support, for any n by another method's exact Farkas vector) unless it is nearly solvable: unless some `(A + E, q + e)`
 //! with `|E| <= omega |A|`, `|e| <= omega |q|`, entry by entry, zeros kept, `omega = sqrt(tol)`, is solved by the point exactly.
 //!
-//! "Infeasible" is right when `y >= 0`, `q'y < 0`, and `A'y <= 0` exactly; or when `A'y` exceeds 0 by `64 eps |A|'y` at most
-//! and no z >= 0 with `A z + q >= 0` has a sum below 1e10 in equilibrated units, which is "nearly" where an exact solution
-//! exists beyond that. A certificate that says it is exact must be exact.
+//! "Infeasible" is right when `y >= 0`, `q'y < 0`, and `A'y <= 0` exactly. "Nearly infeasible" is right when `A'y` exceeds 0 by
+//! rounding of its own sums and no z >= 0 with `A z + q >= 0` has a sum below the stated bound, which is 1e10 at least in
+//! equilibrated units. A certificate that says it is exact must be exact.
 
 use crate::attacks::Problem;
 use crate::exact::{Wide, integer_form, parts, sign, wide_sum};
 use crate::solvable;
 use lcpstar::exact::dyadic::RationalVec;
+use lcpstar::equilibrate::Rows as _;
 use lcpstar::scaling::Scaling;
 use lcpstar::{Certificate, Lcp, Solution, Status};
 use num_bigint::BigInt;
@@ -42,12 +43,12 @@ pub struct Answer {
 impl From<Solution> for Answer {
     fn from(s: Solution) -> Self {
         Self {
-            status: s.status,
-            z: s.z,
-            w: s.w,
-            residual: s.residual,
-            natural_residual: s.natural_residual,
-            certificate: s.certificate,
+            status: s.status(),
+            z: s.z().to_vec(),
+            w: s.w().to_vec(),
+            residual: s.residual(),
+            natural_residual: s.natural_residual(),
+            certificate: s.certificate().cloned(),
         }
     }
 }
@@ -102,7 +103,7 @@ impl<'a> Case<'a> {
                 Ok(false) => Score::RightNearly,
                 Err(why) => Score::Wrong(why),
             },
-            Status::Infeasible => match self.infeasible(answer) {
+            Status::Infeasible | Status::NearlyInfeasible => match self.against(answer) {
                 Ok(true) => Score::Right,
                 Ok(false) => Score::RightNearly,
                 Err(why) => Score::Wrong(why),
@@ -212,51 +213,58 @@ impl<'a> Case<'a> {
         *self.solvable.get_or_init(|| solvable::is_solvable(self.problem))
     }
 
-    /// `Ok(true)`: right. `Ok(false)`: an exact solution exists, 1e10 away.
-    fn infeasible(&self, answer: &Answer) -> Result<bool, String> {
-        let Some(Certificate::Infeasible { y, exact }) = &answer.certificate else {
-            return Err("infeasible without a certificate".into());
+    fn against(&self, answer: &Answer) -> Result<bool, String> {
+        if answer.status == Status::Infeasible { Self::infeasible(answer) } else { self.nearly_infeasible(answer) }
+    }
+
+    /// "Infeasible" needs an exact Farkas vector, which [`Case::exact_certificate`] has checked.
+    fn infeasible(answer: &Answer) -> Result<bool, String> {
+        match &answer.certificate {
+            Some(Certificate::Infeasible { .. }) => Ok(true),
+            _ => Err("infeasible without an exact certificate".into()),
+        }
+    }
+
+    /// "Nearly infeasible" needs a bound that is rigorous and large: `0 <= y'(A z + q) <= max(A'y) sum(z) + q'y`.
+    fn nearly_infeasible(&self, answer: &Answer) -> Result<bool, String> {
+        let Some(Certificate::NearlyInfeasible { y, bound }) = &answer.certificate else {
+            return Err("nearly infeasible without its certificate".into());
         };
         let n = self.problem.n;
-        if y.len() != n || y.iter().any(|y| !y.is_finite() || *y < 0.0) {
-            return Err("y is not a nonnegative vector".into());
-        }
-        if exact.is_some() {
-            return Ok(true); // checked already; y is its rounding
+        if y.len() != n || y.iter().any(|y| !y.is_finite() || *y < 0.0) || !bound.is_finite() {
+            return Err("y or the bound is no nonnegative number".into());
         }
         let qy = wide_sum(self.problem.q.iter().copied().zip(y.iter().copied()));
         if !qy.neg().is_positive() {
             return Err(format!("q'y = {:e} is not negative", qy.to_f64()));
         }
         let scaling = self.scaling()?;
-        let mut delta = Wide::ZERO;
         for j in 0..n {
             let terms = (0..n).map(|i| (self.problem.a[i * n + j], y[i]));
             let sum = wide_sum(terms.clone());
-            if sum.is_positive() {
-                let size = wide_sum(terms.map(|(a, y)| (a.abs(), y)));
-                if !sum.at_most(Wide::new(64.0 * f64::EPSILON).times(size)) {
-                    return Err(format!("(A'y)_{j} = {:e} is not rounding", sum.to_f64()));
-                }
-                delta = delta.max(sum.shifted(i64::from(scaling.columns[j])));
+            if !sum.is_positive() {
+                continue;
+            }
+            let size = wide_sum(terms.map(|(a, y)| (a.abs(), y)));
+            if !sum.at_most(Wide::new(65.0 * f64::EPSILON).times(size)) {
+                return Err(format!("(A'y)_{j} = {:e} is not rounding", sum.to_f64()));
+            }
+            if !sum.times(Wide::new(*bound)).at_most(qy.neg()) {
+                return Err(format!("the bound {bound:e} is not rigorous in column {j}"));
+            }
+            let scaled = sum.shifted(i64::from(scaling.columns[j]));
+            if !scaled.times(Wide::new(0.99e10)).at_most(qy.neg().shifted(i64::from(scaling.q))) {
+                return Err(format!("(A'y)_{j} = {:e} rules out too little", sum.to_f64()));
             }
         }
-        if delta.is_zero() {
-            let _ = self.refuted.set(());
-            return Ok(true);
-        }
-        // 0 <= y'(A z + q) <= delta sum z' / s + q'y for every feasible z.
-        if !delta.times(Wide::new(0.99e10)).at_most(qy.neg().shifted(i64::from(scaling.q))) {
-            return Err(format!("A'y <= {:e} rules out too little", delta.to_f64()));
-        }
-        Ok(n > ENUMERATED || !self.is_solvable())
+        Ok(true)
     }
 
     /// Whether a certificate that holds exact numbers is what it says.
     fn exact_certificate(&self, answer: &Answer) -> Result<(), String> {
         match &answer.certificate {
             Some(Certificate::Solution { exact: Some(z), .. }) => self.exact_solution(z),
-            Some(Certificate::Infeasible { exact: Some(y), .. }) => self.exact_farkas(y),
+            Some(Certificate::Infeasible { y }) => self.exact_farkas(y),
             _ => Ok(()),
         }
     }
@@ -294,7 +302,7 @@ impl<'a> Case<'a> {
         let check = || {
             let Problem { n, a, q } = self.problem.clone();
             let lcp = Lcp::new(n, a, q).map_err(|e| e.to_string())?;
-            let scaling = Scaling::new(&lcp);
+            let scaling = lcp.scaling();
             let exponent = |x: f64, e: i32| {
                 let (m, f) = parts(x);
                 (m != 0).then(|| f + 63 - i64::from(m.unsigned_abs().leading_zeros()) + i64::from(e))
@@ -369,7 +377,7 @@ mod tests {
     fn a_farkas_vector_is_recomputed() {
         let problem = Problem { n: 2, a: vec![1.0, -1.0, -1.0, 1.0], q: vec![-1.0, -1.0] };
         let score = |y: [f64; 2]| {
-            let certificate = Some(Certificate::Infeasible { y: y.to_vec(), exact: None });
+            let certificate = Some(Certificate::Infeasible { y: RationalVec::from_f64(&y) });
             let answer = Answer { certificate, ..said(Status::Infeasible, &[0.0; 2], &[-1.0; 2], 1.0) };
             Case::new(&problem).score(&answer, 1e-9)
         };

@@ -4,7 +4,8 @@ use crate::linalg::backend::{DenseCholesky, DenseLu};
 use crate::linalg::kernels::{dot, dot_compensated, max_abs};
 use crate::problem::Lcp;
 use crate::residual::slack;
-use crate::scaling::{Equilibrated, Scaling, times_power_of_two};
+use crate::equilibrate::{Equilibrated, Rows};
+use crate::scaling::{Scaling, times_power_of_two};
 use crate::sparse::SparseLcp;
 
 /// A bound, or none, and why.
@@ -144,7 +145,7 @@ fn inflation(n: usize, products: impl Iterator<Item = (f64, f64)>, b: &[f64]) ->
 pub(super) fn definite(lcp: &Lcp, scaling: &Scaling, z: &[f64]) -> Bound {
     let n = lcp.n();
     let none = Bound { value: None, reason: NONE };
-    let congruent = Equilibrated::with(lcp, scaling.congruent(lcp));
+    let congruent = Equilibrated::with(lcp, scaling.congruent(lcp.q()));
     let scaled = &congruent.lcp;
     if n == 0 || !is_exact(lcp.a(), scaled.a()) {
         return none;

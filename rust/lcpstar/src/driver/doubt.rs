@@ -1,6 +1,6 @@
 //! Whether q shows beside a point: where it does not, z may solve LCP(0, A) to rounding, and LCP(q, A) not at all.
 //!
-//! Both questions are asked on the caller's numbers, of points that `certify` has accepted, for n up to [`UP_TO`]. O(n^2).
+//! Both questions are asked on the caller's numbers, of points that the judge has accepted, for n up to [`UP_TO`]. O(n^2).
 
 use crate::problem::Lcp;
 use crate::residual::{off_by, slack};
@@ -23,6 +23,11 @@ pub(super) fn hides_q(lcp: &Lcp, solution: &Solution) -> bool {
 /// once. A box under a load 10^6 times its weight hides q and does not miss it.
 pub(crate) fn misses_q(lcp: &Lcp, solution: &Solution) -> bool {
     any_row(lcp, solution, |q, m, off| q.abs() < HARDLY_SHOWS * m && off > NOTICEABLE * q.abs())
+}
+
+/// Whether a solution may lie beyond the bound of a nearly infeasible problem, and a proof is cheap.
+pub(super) fn is_undecided(solution: &Solution) -> bool {
+    solution.status() == Status::NearlyInfeasible && solution.z.len() <= UP_TO
 }
 
 /// Whether `question` holds of `q_i`, `(|A||z| + |q|)_i` and the error of row i, in some row of a solved problem with `q_i`

@@ -68,7 +68,7 @@ impl<'a> Assembly<'a> {
             self.add(part, &solution.z, alpha, solution.method, solution.iterations);
             match solution.status() {
                 Status::Solved => {}
-                Status::Infeasible => {
+                Status::Infeasible | Status::NearlyInfeasible => {
                     self.set_farkas(part, solution.certificate());
                     return Some(Termination::Infeasible);
                 }
@@ -111,13 +111,16 @@ impl<'a> Assembly<'a> {
 
     /// The part's Farkas vector in the units of the equilibrated whole; `certify` decides whether it is one of the whole.
     fn set_farkas(&mut self, part: &Part, certificate: Option<&Certificate>) {
-        if let Some(Certificate::Infeasible { y }) = certificate {
-            let mut whole = vec![0.0; self.z.len()];
-            for (&i, y) in part.indices.iter().zip(y.direction_to_f64()) {
-                whole[i] = crate::scaling::times_power_of_two(y, -self.problem.scaling.rows[i]);
-            }
-            self.farkas = Some(whole);
+        let y = match certificate {
+            Some(Certificate::Infeasible { y }) => y.direction_to_f64(),
+            Some(Certificate::NearlyInfeasible { y, .. }) => y.clone(),
+            _ => return,
+        };
+        let mut whole = vec![0.0; self.z.len()];
+        for (&i, y) in part.indices.iter().zip(y) {
+            whole[i] = crate::scaling::times_power_of_two(y, -self.problem.scaling.rows[i]);
         }
+        self.farkas = Some(whole);
     }
 
     fn finish(self, termination: Termination) -> Solution {

@@ -3,7 +3,7 @@
 //! Deterministic; the first member whose point is certified (solved, or infeasible with a checked Farkas vector) answers
 //! and is named in the result. A member that fails costs its pivot budget, never the answer.
 
-use super::{Certify, Settings, polish, support, with_limit};
+use super::{Certify, Settings, polish, prove, support, with_limit};
 use crate::judge::judge;
 use crate::control::Control;
 use crate::linalg::dd::Dd;
@@ -22,6 +22,8 @@ use crate::status::{Status, Termination};
 const BLOCK_PIVOTING_FROM: usize = 24;
 /// Up to this order a guess is followed by Lemke's method before block pivoting starts from it.
 const WARM_PATH_FIRST_UP_TO: usize = 128;
+/// Largest order at which exact pivoting is asked whether a nearly infeasible problem is infeasible.
+const EXACT_FEASIBILITY_UP_TO: usize = 200;
 /// Largest order at which a dictionary in double-double arithmetic is still worth its 20-fold cost.
 const DOUBLE_DOUBLE_UP_TO: usize = 400;
 
@@ -33,11 +35,13 @@ struct Race<'a> {
     iterations: usize,
     members: usize,
     best: Option<Solution>,
+    /// Exact pivoting was asked whether FEA(q, A) is empty.
+    asked_exactly: bool,
 }
 
 impl<'a> Race<'a> {
     fn new(problem: &'a Equilibrated<'a>, tol: f64, control: &Control<'a>) -> Self {
-        Self { problem, tol, control: *control, iterations: 0, members: 0, best: None }
+        Self { problem, tol, control: *control, iterations: 0, members: 0, best: None, asked_exactly: false }
     }
 
     /// Runs one member with what is left of the caller's limits. `true` when its answer is final.
@@ -49,6 +53,13 @@ impl<'a> Race<'a> {
         let mut solution = judge(self.problem, method(&self.control.with_max_iterations(left)), name, self.tol);
         if let Some(polished) = polish::polished(self.problem, &solution, self.tol, &self.control) {
             solution = polished;
+        }
+        if solution.status() == Status::NearlyInfeasible
+            && self.problem.original.n() <= EXACT_FEASIBILITY_UP_TO
+            && !std::mem::replace(&mut self.asked_exactly, true)
+            && let Some(farkas) = prove::exact_farkas(self.problem.original, &self.control)
+        {
+            solution = prove::infeasible(solution, farkas);
         }
         self.iterations += solution.iterations;
         self.members += 1;

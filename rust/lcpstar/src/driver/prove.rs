@@ -199,7 +199,7 @@ fn by_exact_path<P: Rows>(
     solution
 }
 
-fn infeasible(mut solution: Solution, farkas: Farkas) -> Solution {
+pub(super) fn infeasible(mut solution: Solution, farkas: Farkas) -> Solution {
     solution.verdict = Verdict::of(Evidence::Refuted(Refutation::Exact(farkas)));
     solution.message = "infeasible, proved in exact arithmetic: y >= 0, A'y <= 0, q'y < 0".to_owned();
     solution

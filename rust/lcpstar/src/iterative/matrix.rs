@@ -2,6 +2,7 @@
 
 use super::factors::{DenseFactors, Factors, SparseFactors};
 use crate::linalg::kernels::{affine, axpy};
+use crate::equilibrate::Rows;
 use crate::problem::Lcp;
 use crate::residual;
 use crate::sparse::SparseLcp;

@@ -1,14 +1,17 @@
-//! What the fast verdicts accept, `certify` accepts: on points near solutions, in any units, with the errors that each view of
-//! the verdict is there for.
+//! What the kernels accept, the judge accepts, and the residuals are the same: on points near solutions, in any units, with the
+//! errors that each test of the rule is there for.
 
-use super::certify;
+use super::judge;
+use crate::equilibrate::Equilibrated;
+use crate::member::Member;
 use crate::problem::Lcp;
-use crate::scaling::{Equilibrated, times_power_of_two};
-use crate::small::lane::{F64x8, Lane, Mask};
+use crate::residual::{equilibrated_residual, natural_residual};
+use crate::scaling::times_power_of_two;
+use crate::small::lane::{F64x8, Lane};
 use crate::small::verify::verify;
 use crate::small::verify_point;
-use crate::solution::Candidate;
-use crate::status::{Status, Termination};
+use crate::solution::{Candidate, Solution};
+use crate::status::Termination;
 use fastrand::Rng;
 
 type Lanes = F64x8<{ cfg!(target_arch = "aarch64") }>;
@@ -65,12 +68,26 @@ fn disturb(rng: &mut Rng, q: &mut [f64], z: &mut [f64]) {
     }
 }
 
-fn is_certified(n: usize, point: &Point, tol: f64) -> bool {
+fn judged(n: usize, point: &Point, tol: f64) -> Solution {
     let lcp = Lcp::new(n, point.a.clone(), point.q.clone()).expect("finite");
     let problem = Equilibrated::new(&lcp);
     let z = problem.scaling.z_from_caller(&point.z);
-    let candidate = Candidate::point(z, Termination::Converged, 0);
-    certify(&problem, candidate, "test", tol).status == Status::Solved
+    judge(&problem, Candidate::point(z, Termination::Converged, 0), Member::Auto, tol)
+}
+
+/// Both residuals of the point, in double-doubles, with the rounding of plain sums.
+fn residuals(n: usize, point: &Point) -> [(f64, f64); 2] {
+    let lcp = Lcp::new(n, point.a.clone(), point.q.clone()).expect("finite");
+    let problem = Equilibrated::new(&lcp);
+    let rounding = |m: &[f64]| (n as f64 + 2.0) * f64::EPSILON * m.iter().fold(0.0, |a: f64, &b| a.max(b));
+    let z = problem.scaling.z_from_caller(&point.z);
+    let (scaled_w, scaled_m) = crate::residual::slack(&problem.lcp, &z);
+    let (w, m) = crate::residual::slack(&lcp, &point.z);
+    let largest = z.iter().fold(1.0, |a: f64, &b| a.max(b));
+    [
+        (equilibrated_residual(&z, &scaled_w), rounding(&scaled_m) / largest),
+        (natural_residual(&point.z, &w), rounding(&m)),
+    ]
 }
 
 #[test]
@@ -89,16 +106,14 @@ fn what_is_accepted_is_certified() {
         let verdict = verify::<Lanes, 0>(n, &a, &q, &z, &w, tol);
         for (l, point) in points.iter().enumerate() {
             let alone = verify_point(&point.a, &point.q, tol, &point.z, &mut vec![0.0; n]);
-            let certified = is_certified(n, point, tol);
-            assert!(
-                certified || !verdict.solved.get(l),
-                "lane: tol {tol:e}, {:?} {:?} {:?}",
-                point.a,
-                point.q,
-                point.z
-            );
-            assert!(certified || alone.is_none(), "alone: tol {tol:e}, {:?} {:?} {:?}", point.a, point.q, point.z);
             *(if alone.is_some() { &mut accepted } else { &mut refused }) += 1;
+            for found in [verdict.accepted(l), alone].into_iter().flatten() {
+                assert!(judged(n, point, tol).is_solved(), "tol {tol:e}, {:?} {:?} {:?}", point.a, point.q, point.z);
+                let stated = [found.residual(), found.natural_residual()];
+                for (stated, (measured, rounding)) in stated.into_iter().zip(residuals(n, point)) {
+                    assert!((stated - measured).abs() <= rounding, "{stated:e} {measured:e} {rounding:e}");
+                }
+            }
         }
     }
     assert!(accepted > 4000 && refused > 4000, "{accepted} {refused}");

@@ -15,6 +15,7 @@ use crate::error::{LcpError, Result};
 use crate::linalg::kernels::max_abs;
 use crate::problem::{Lcp, check_finite};
 use crate::residual::{equilibrated_residual, natural_residual, slack};
+use crate::equilibrate::Rows;
 use crate::scaling::Scaling;
 use crate::solution::Candidate;
 use crate::status::Termination;
@@ -170,7 +171,7 @@ pub fn potential_reduction(
             Err(failed) => return Ok(*failed),
         },
     };
-    let scaling = Scaling::new(lcp);
+    let scaling = lcp.scaling();
     let mut progress = Progress::new(n);
     let mut solver = settings.direction;
     let mut k = 0;

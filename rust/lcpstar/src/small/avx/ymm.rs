@@ -17,9 +17,60 @@ use std::mem::transmute;
 #[repr(transparent)]
 pub struct Ymm(pub(super) __m256d);
 
-numbers!(Ymm, f64, 4);
+numbers!(Ymm, 4);
 
-words!(YmmMask, __m256d, u64, 4, _mm256_and_pd, _mm256_or_pd, _mm256_xor_pd, _mm256_movemask_pd);
+/// All bits or none, lane by lane.
+#[derive(Clone, Copy, Debug)]
+#[repr(transparent)]
+pub struct YmmMask(__m256d);
+
+impl Mask for YmmMask {
+    const LANES: usize = 4;
+    // SAFETY: any bits are numbers.
+    const NONE: Self = Self(unsafe { transmute::<[u64; 4], __m256d>([0; 4]) });
+    const ALL: Self = Self(unsafe { transmute::<[u64; 4], __m256d>([u64::MAX; 4]) });
+
+    #[inline(always)]
+    fn get(&self, l: usize) -> bool {
+        self.bits() >> l & 1 == 1
+    }
+    #[inline(always)]
+    fn set(&mut self, l: usize, yes: bool) {
+        // SAFETY: a register is its words in memory, in order.
+        let words: &mut [u64; 4] = unsafe { &mut *std::ptr::from_mut(self).cast() };
+        words[l] = if yes { u64::MAX } else { 0 };
+    }
+    #[inline(always)]
+    fn from_bits(bits: u32) -> Self {
+        let words: [u64; 4] = std::array::from_fn(|l| u64::from(bits >> l & 1).wrapping_neg());
+        // SAFETY: as `NONE`.
+        Self(unsafe { transmute::<[u64; 4], __m256d>(words) })
+    }
+    #[inline(always)]
+    fn and(self, x: Self) -> Self {
+        Self(unsafe { _mm256_and_pd(self.0, x.0) })
+    }
+    #[inline(always)]
+    fn or(self, x: Self) -> Self {
+        Self(unsafe { _mm256_or_pd(self.0, x.0) })
+    }
+    #[inline(always)]
+    fn xor(self, x: Self) -> Self {
+        Self(unsafe { _mm256_xor_pd(self.0, x.0) })
+    }
+    #[inline(always)]
+    fn not(self) -> Self {
+        Self(unsafe { _mm256_xor_pd(self.0, Self::ALL.0) })
+    }
+    #[inline(always)]
+    fn any(self) -> bool {
+        self.bits() != 0
+    }
+    #[inline(always)]
+    fn bits(self) -> u32 {
+        unsafe { _mm256_movemask_pd(self.0) as u32 }
+    }
+}
 
 /// From here on doubles are integers.
 const TWO_52: f64 = 4_503_599_627_370_496.0;
@@ -53,7 +104,6 @@ impl Lane for Ymm {
     type Index = Places<4>;
 
     operations!(
-        f64,
         4,
         YmmMask,
         _mm256_cmp_pd,
@@ -135,7 +185,7 @@ impl Lane for Ymm {
     }
     #[inline(always)]
     fn pick(v: &[Self], at: Places<4>) -> Self {
-        pick!(v, at, f64, _mm256_setr_pd, 0 1 2 3)
+        pick!(v, at, _mm256_setr_pd, 0 1 2 3)
     }
     #[inline(always)]
     fn sum(self) -> f64 {
