@@ -130,12 +130,11 @@ def test_same_bits_for_warm_starts(family, n):
     assert_bits_do_not_depend_on_the_batch(A, q, cold.z * (rng.random((700, n)) < 0.98))
 
 
-@pytest.mark.parametrize("polish", [True, False])
 @pytest.mark.parametrize("family", [random_pd, psd_rank_half, stewart_trinkle])
-def test_same_bits_in_single_precision(family, polish):
+def test_same_bits_in_single_precision(family):
     for n in (6, 18):
         A, q = (x.astype(np.float32) for x in family(700, n))
-        assert_bits_do_not_depend_on_the_batch(A, q, polish=polish, tol=1e-9 if polish else 1e-4)
+        assert_bits_do_not_depend_on_the_batch(A, q)
 
 
 @pytest.mark.parametrize("n", [2, 3, 4, 8, 12, 16, 20, 32, 40])
@@ -147,18 +146,8 @@ def test_single_precision_is_solved_and_verified_in_double(family, n):
         A += np.float32(1e-4) * np.eye(n, dtype=np.float32)
     assert_solved(A, q, lcpstar.solve_batch(A, q))
     assert_solved(A, q, lcpstar.solve_batch(A, q.astype(float)))
-    rough = lcpstar.solve_batch(A, q, polish=False, tol=1e-4)
-    assert_solved(A, q, rough, tol=1e-4)
-    if 4 <= n <= 32:
-        exact = lcpstar.solve_batch(A.astype(float), q.astype(float))
-        assert rough.residual[q.min(axis=1) < 0].max() > 100 * exact.residual.max()
-
-
-def test_single_precision_never_passes_for_more():
-    """What single precision cannot answer within tol is answered in double precision."""
-    A, q = (x.astype(np.float32) for x in random_pd(500, 8))
-    sols = lcpstar.solve_batch(A, q, polish=False, tol=1e-10)
-    assert_solved(A, q, sols, tol=1e-10)
+    wide = lcpstar.solve_batch(A.astype(float), q.astype(float))
+    assert np.array_equal(wide.z, lcpstar.solve_batch(A, q).z, equal_nan=True)
 
 
 @pytest.mark.parametrize("n", [1, 2, 3])

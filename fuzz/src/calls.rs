@@ -339,7 +339,7 @@ fn run_batch(
     let (mut codes, mut alpha) = (vec![0; count], vec![0; count]);
     let finished = solve_batch(
         problems,
-        &lcpstar::batch::Settings { method, tol, threads, guess, polish: false, interrupted: None },
+        &lcpstar::batch::Settings { method, tol, threads, guess, interrupted: None },
         Output {
             z: &mut out.z,
             w: &mut out.w,

@@ -173,7 +173,6 @@ def solve_batch(
     tol: float,
     threads: int,
     guess: NDArray[np.uint64] | NDArray[np.bool_] | NDArray[np.float64] | None,
-    polish: bool,
     results: tuple[
         NDArray[np.float64],
         NDArray[np.float64],

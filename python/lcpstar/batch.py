@@ -108,7 +108,6 @@ def solve_batch(
     z0: ArrayLike | Sequence[Any] | None = None,
     alpha0: ArrayLike | None = None,
     offsets: ArrayLike | None = None,
-    polish: bool = True,
     out: BatchSolution | None = None,
 ) -> BatchSolution:
     """Solve many problems LCP(q, A) in one call: for each, find z with `w = A z + q >= 0`, `z >= 0`, `z'w = 0`.
@@ -118,8 +117,9 @@ def solve_batch(
     A : (..., n, n) array_like, or a list of square matrices, or a list of pairs (A, q)
     q : (..., n) array_like, or a list of vectors; None for a list of pairs
         Leading axes broadcast as in NumPy: one A with many q, many A with one q, or both. C-contiguous float64 arrays
-        and float32 arrays are not copied. Lists may mix orders ("ragged"), or `offsets` says where the problems of flat
-        arrays are; the results are then flat, see `BatchSolution.offsets`.
+        and float32 arrays are not copied; a float32 stands for the double that equals it. Lists may mix orders
+        ("ragged"), or `offsets` says where the problems of flat arrays are; the results are then flat, see
+        `BatchSolution.offsets`.
     method : str
         "auto": kernels for small problems (below), then what `solve` does. Any other name as in `solve`, for all.
     tol : float in (0, 1)
@@ -134,10 +134,6 @@ def solve_batch(
     offsets : (k + 1,) integers, optional
         Problems of mixed orders in flat arrays: problem i has `n = offsets[i + 1] - offsets[i]`, the entries
         `offsets[i]:offsets[i + 1]` of q (and of z0, and of alpha0 as booleans), and the next n * n entries of A.
-    polish : bool
-        For float32 A and q only. True solves in double precision; False solves in single precision and takes that z
-        where it is good enough for `tol` (1e-4, say), which pays from n = 24 or so on. The residuals are those of the
-        given numbers, computed in double precision, in both cases.
     out : BatchSolution, optional
         Results of an earlier call for a batch of the same shape, to be overwritten: a loop over frames then takes no
         memory from the system. Their z or alpha may be the guess of this call.
@@ -172,7 +168,7 @@ def solve_batch(
         raise OptionError(f"threads must be positive, got {threads}")
     if z0 is not None and alpha0 is not None:
         raise OptionError("z0 and alpha0 are both guesses of the support: give one of them")
-    options = _Options(method, tol, count, polish)
+    options = _Options(method, tol, count)
     if q is None:
         if not isinstance(A, (list, tuple)) or not all(isinstance(p, (list, tuple)) and len(p) == 2 for p in A):
             raise ShapeError("without q, A must be a list of pairs (A, q)")
@@ -191,7 +187,6 @@ class _Options:
     method: str
     tol: float
     threads: int
-    polish: bool
 
 
 def _real(name: str, value: Any) -> Reals:
@@ -270,7 +265,6 @@ def _uniform(
         options.tol,
         options.threads,
         guess,
-        options.polish,
         sols._arrays(),
     )
     return sols

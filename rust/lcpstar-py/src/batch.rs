@@ -100,7 +100,7 @@ fn own<'py, T: Element>(array: &Bound<'py, PyArrayDyn<T>>) -> PyResult<PyReadwri
 /// numbers, one for each problem, one for all, or as the maps say. Every number of `results` is written, unless an exception is
 /// raised.
 #[pyfunction]
-#[pyo3(signature = (n, a, q, count, a_map, q_map, method, tol, threads, guess, polish, results))]
+#[pyo3(signature = (n, a, q, count, a_map, q_map, method, tol, threads, guess, results))]
 pub fn solve_batch<'py>(
     py: Python<'py>,
     n: usize,
@@ -113,7 +113,6 @@ pub fn solve_batch<'py>(
     tol: f64,
     threads: usize,
     guess: Option<GuessArray<'py>>,
-    polish: bool,
     results: Results<'py>,
 ) -> PyResult<()> {
     let problems = Problems {
@@ -147,7 +146,7 @@ pub fn solve_batch<'py>(
     let signals = Signals::new();
     let interrupted = || signals.interrupted();
     let general = Method::from_name(method).map_err(|e| to_python(py, &e))?;
-    let settings = Settings { method: &general, tol, threads, guess, polish, interrupted: Some(&interrupted) };
+    let settings = Settings { method: &general, tol, threads, guess, interrupted: Some(&interrupted) };
     enter_core(py, || batch::solve_batch(&problems, &settings, output))?;
     signals.raise()
 }

@@ -48,7 +48,7 @@ fn allocations(n: usize, a: &[f64], q: &[f64], count: usize, guess: Guess<'_>) -
         natural_residual: &mut natural,
         alpha: Alpha::Masks(&mut masks),
     };
-    let settings = Settings { method: &Method::Auto, tol: 1e-9, threads: 1, guess, polish: true, interrupted: None };
+    let settings = Settings { method: &Method::Auto, tol: 1e-9, threads: 1, guess, interrupted: None };
     let (a, q) = (Numbers::Double(a), Numbers::Double(q));
     let problems = Problems { n, count, a, a_source: Source::Each, q, q_source: Source::Each };
     let before = ALLOCATIONS.load(Ordering::Relaxed);

@@ -367,7 +367,7 @@ fn solve_batch(problems: &[Problem], tol: f64, guess: Guess<'_>) -> Option<Vec<A
         q: batch::Numbers::Double(&q),
         q_source: Source::Each,
     };
-    let settings = batch::Settings { method: &Method::Auto, tol, threads: 1, guess, interrupted: None, polish: false };
+    let settings = batch::Settings { method: &Method::Auto, tol, threads: 1, guess, interrupted: None };
     let run = || batch::solve_batch(&given, &settings, output);
     catch_unwind(AssertUnwindSafe(run)).ok()?.ok()?;
     let answer = |k: usize| Answer {

@@ -268,8 +268,6 @@ pub struct Settings<'a> {
     pub threads: usize,
     /// Guessed supports.
     pub guess: Guess<'a>,
-    /// Whether problems in single precision are solved in double precision all the same.
-    pub polish: bool,
     /// Says whether the caller wants to stop; asked between chunks.
     pub interrupted: Option<&'a (dyn Fn() -> bool + Sync)>,
 }

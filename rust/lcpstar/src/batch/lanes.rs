@@ -4,16 +4,16 @@
 mod phase;
 mod transport;
 
-use super::io::{Guess, Numbers, Output, Problems};
+use super::io::{Guess, Output};
 use super::lemke_lanes::Pivots;
 use super::minors::{MINORS_ORDER, enumerate};
-use super::newton::{Step, Tile, improve_guess, multiply, newton, refine, solve_guess};
+use super::newton::{Tile, improve_guess, multiply, newton, refine, solve_guess};
 use super::work::{ENUMERATE, LEMKE, NEWTON, Task};
 use crate::small::lane::{BLOCK, Lane, MOST_LANES, Mask};
 use crate::small::lemke::PIVOTS_PER_ROW;
 use crate::small::verify::{Verdict, verify};
 use phase::{PHASES, Phase};
-use transport::{transpose, widen};
+use transport::transpose;
 
 /// Largest order for which Lemke's method runs in lanes: above, one problem at a time is faster.
 const LEMKE_ORDER: usize = 12;
@@ -26,14 +26,12 @@ const NEWTON_ORDER: usize = 16;
 const REFINEMENTS: usize = 2;
 
 /// Memory of one thread.
-pub(super) struct Lanes<X: Lane, S: Lane> {
+pub(super) struct Lanes<X: Lane> {
     n: usize,
     tile: Tile<X>,
     pivots: Pivots<X>,
     /// Which block of A each lane of the tile holds.
     loaded: [usize; MOST_LANES],
-    /// The tile in single precision, where A or q is.
-    singles: Tile<S>,
     /// z or w of a tile, problem after problem, and room for one block more.
     rows: Vec<f64>,
     /// The support that Newton's method tries next, for each problem of the chunk.
@@ -68,19 +66,15 @@ struct Found<X: Lane> {
     iterations: [u8; MOST_LANES],
 }
 
-impl<X: Lane<Number = f64>, S: Lane<Number = f32>> Lanes<X, S> {
+impl<X: Lane> Lanes<X> {
     /// Memory for problems of order `n`.
     #[inline(always)]
-    pub fn new(n: usize, problems: &Problems<'_>) -> Self {
-        const { assert!(X::LANES == S::LANES) };
-        let is_single = |x| matches!(x, Numbers::Single(_));
-        let single = is_single(problems.a) || is_single(problems.q);
+    pub fn new(n: usize) -> Self {
         Self {
             n,
             tile: Tile::new(n),
             pivots: Pivots::new(if n <= LEMKE_ORDER { n } else { 0 }),
             loaded: [usize::MAX; MOST_LANES],
-            singles: Tile::new(if single { n } else { 0 }),
             rows: vec![0.0; X::LANES * n + BLOCK],
             guesses: Vec::new(),
             again: Vec::new(),
@@ -114,10 +108,6 @@ impl<X: Lane<Number = f64>, S: Lane<Number = f32>> Lanes<X, S> {
         match phase {
             Phase::Guess => !matches!(settings.guess, Guess::None),
             Phase::Point => matches!(settings.guess, Guess::Points(_)),
-            Phase::Single => {
-                let single = matches!((task.problems.a, task.problems.q), (Numbers::Single(_), Numbers::Single(_)));
-                single && !settings.polish && settings.tol > S::EPS && n > MINORS_ORDER
-            }
             Phase::Enumerate => n <= MINORS_ORDER,
             Phase::Newton => n > MINORS_ORDER && n <= NEWTON_ORDER,
             Phase::Lemke => n <= LEMKE_ORDER,
@@ -190,7 +180,7 @@ impl<X: Lane<Number = f64>, S: Lane<Number = f32>> Lanes<X, S> {
         let kind = if symmetric { group.symmetric } else { group.symmetric.not() };
         match phase {
             Phase::Guess => group.open.and(kind),
-            Phase::Single | Phase::Newton => group.open.and(kind).and(group.fit),
+            Phase::Newton => group.open.and(kind).and(group.fit),
             Phase::Point | Phase::Enumerate | Phase::Lemke if symmetric => group.open,
             Phase::Point | Phase::Enumerate | Phase::Lemke => X::Mask::NONE,
         }
@@ -212,7 +202,7 @@ impl<X: Lane<Number = f64>, S: Lane<Number = f32>> Lanes<X, S> {
                 multiply::<X, N>(n, &mut self.tile);
                 found(NEWTON, lanes, [1; MOST_LANES])
             }
-            Phase::Single | Phase::Newton => {
+            Phase::Newton => {
                 let mut masks = [0; MOST_LANES];
                 for (mask, &k) in masks.iter_mut().zip(group.members) {
                     *mask = self.guesses[k];
@@ -220,16 +210,7 @@ impl<X: Lane<Number = f64>, S: Lane<Number = f32>> Lanes<X, S> {
                 // Sweeps, unless an iteration or the caller's guess has led further.
                 let is_first = group.iteration == 1 && matches!(group.task.settings.guess, Guess::None);
                 let masks = if is_first { None } else { Some(&masks[..]) };
-                let step = if phase == Phase::Newton {
-                    newton::<X, N>(n, &mut self.tile, masks, symmetric)
-                } else {
-                    let step = newton::<S, N>(n, &mut self.singles, masks, symmetric);
-                    self.tile.guess(n, &self.singles.masks(n));
-                    widen(&self.singles.z, &mut self.tile.z);
-                    multiply::<X, N>(n, &mut self.tile);
-                    let same = |mask: S::Mask| X::Mask::from_bits(mask.bits());
-                    Step { settled: same(step.settled), unsettled: same(step.unsettled) }
-                };
+                let step = newton::<X, N>(n, &mut self.tile, masks, symmetric);
                 let unsettled = step.unsettled.and(lanes);
                 self.keep_guesses(group, unsettled);
                 let iterations = [group.iteration as u8; MOST_LANES];
@@ -303,7 +284,7 @@ impl<X: Lane<Number = f64>, S: Lane<Number = f32>> Lanes<X, S> {
         self.tile.ahead.rest();
         let lanes = group.open.and(found.lanes);
         let refinements = match phase {
-            Phase::Point | Phase::Single | Phase::Enumerate => 0,
+            Phase::Point | Phase::Enumerate => 0,
             _ => REFINEMENTS,
         };
         let mut refined = 0;

@@ -24,7 +24,7 @@ pub fn enumerate<X: Lane>(n: usize, tile: &mut Tile<X>) -> (X::Mask, [u8; 16]) {
             a[i][j] = tile.a[i * n + j];
         }
     }
-    let least = largest_q.mul(X::splat(-NOISE * X::EPS));
+    let least = largest_q.mul(X::splat(-NOISE * f64::EPSILON));
     let (mut found, mut place) = (X::Mask::NONE, zero);
     let (mut best, mut alpha) = ([zero; 3], [X::Mask::NONE; 3]);
     for support in 0..1_usize << n {

@@ -192,7 +192,7 @@ pub fn improve_guess<X: Lane, const N: usize>(n: usize, tile: &mut Tile<X>) -> X
     for q in &tile.q[..n] {
         largest_q = q.abs().max(largest_q);
     }
-    let negative = largest_q.mul(X::splat(-NOISE * X::EPS));
+    let negative = largest_q.mul(X::splat(-NOISE * f64::EPSILON));
     let mut changed = X::Mask::NONE;
     for i in 0..n {
         let next = alpha[i].choose(zero.lt(z[i]), w[i].lt(negative));

@@ -4,7 +4,7 @@ use super::io::{Alpha, Guess, Numbers, Output, Problems, Settings, Source};
 use super::schedule::solve_batch;
 use super::work::{Chunk, ENUMERATE, LEMKE, NEWTON, run};
 use crate::driver::Method;
-use crate::small::lane::{F32x8, F64x8, Lane, Pair};
+use crate::small::lane::{F64x8, Lane, Pair};
 use crate::status::Status;
 use std::collections::HashSet;
 use std::sync::{Mutex, PoisonError};
@@ -58,7 +58,6 @@ struct Batch<'a> {
     a: Numbers<'a>,
     q: Numbers<'a>,
     guess: Guess<'a>,
-    polish: bool,
 }
 
 /// `B B'` of half or full rank, some plus a skew part, and a `q` for which the symmetric ones have a solution.
@@ -79,39 +78,31 @@ fn problems(n: usize, count: usize) -> (Vec<f64>, Vec<f64>) {
     (a, q)
 }
 
-fn solved_by<X: Lane<Number = f64>, S: Lane<Number = f32>, const N: usize>(batch: Batch<'_>, count: usize) -> Results {
+fn solved_by<X: Lane, const N: usize>(batch: Batch<'_>, count: usize) -> Results {
     let problems =
         Problems { n: batch.n, count, a: batch.a, a_source: Source::Each, q: batch.q, q_source: Source::Each };
-    let tol = if batch.polish { 1e-9 } else { 1e-4 };
-    let settings = Settings {
-        method: &Method::Auto,
-        tol,
-        threads: 1,
-        guess: batch.guess,
-        polish: batch.polish,
-        interrupted: None,
-    };
+    let settings = Settings { method: &Method::Auto, tol: 1e-9, threads: 1, guess: batch.guess, interrupted: None };
     let mut results = Results::new(batch.n, count);
     let chunk = Mutex::new(Some(Chunk { first: 0, output: results.output() }));
     let next = || chunk.lock().unwrap_or_else(PoisonError::into_inner).take();
-    run::<X, S, N>(&problems, &settings, &next).expect("finite numbers");
+    run::<X, N>(&problems, &settings, &next).expect("finite numbers");
     results
 }
 
 /// What plain loops find is what every other kind of lane must find, bit by bit.
 fn assert_same_on_every_kind(batch: Batch<'_>, count: usize, what: &str) -> Results {
-    let expected = solved_by::<F64x8<true>, F32x8<true>, 0>(batch, count);
+    let expected = solved_by::<F64x8<true>, 0>(batch, count);
     let n = batch.n;
-    assert!(expected == solved_by::<Pair<F64x8<true>>, Pair<F32x8<true>>, 0>(batch, count), "{what}, n = {n}, pairs");
+    assert!(expected == solved_by::<Pair<F64x8<true>>, 0>(batch, count), "{what}, n = {n}, pairs");
     #[cfg(target_arch = "x86_64")]
     {
-        use crate::small::avx::{Ymm2, YmmS, Zmm, ZmmS};
+        use crate::small::avx::{Ymm2, Zmm};
         if is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") {
-            assert!(expected == solved_by::<Ymm2, YmmS, 0>(batch, count), "{what}, n = {n}, AVX2");
+            assert!(expected == solved_by::<Ymm2, 0>(batch, count), "{what}, n = {n}, AVX2");
         }
         if is_x86_feature_detected!("avx512f") && is_x86_feature_detected!("avx512dq") {
-            assert!(expected == solved_by::<Zmm, YmmS, 0>(batch, count), "{what}, n = {n}, AVX-512");
-            assert!(expected == solved_by::<Pair<Zmm>, ZmmS, 0>(batch, count), "{what}, n = {n}, pairs of AVX-512");
+            assert!(expected == solved_by::<Zmm, 0>(batch, count), "{what}, n = {n}, AVX-512");
+            assert!(expected == solved_by::<Pair<Zmm>, 0>(batch, count), "{what}, n = {n}, pairs of AVX-512");
         }
     }
     expected
@@ -123,7 +114,7 @@ fn every_kind_of_lane_finds_the_same_bits() {
     let mut methods = [0; 256];
     for n in (1..=17).chain([21, 24, 25, 32, 33]) {
         let (a, q) = problems(n, COUNT);
-        let cold = Batch { n, a: Numbers::Double(&a), q: Numbers::Double(&q), guess: Guess::None, polish: true };
+        let cold = Batch { n, a: Numbers::Double(&a), q: Numbers::Double(&q), guess: Guess::None };
         let found = assert_same_on_every_kind(cold, COUNT, "cold");
         found.method.iter().for_each(|&method| methods[usize::from(method)] += 1);
         for (k, (z, w)) in found.z.chunks(n).zip(found.w.chunks(n)).enumerate() {
@@ -147,8 +138,11 @@ fn every_kind_of_lane_finds_the_same_bits() {
         let single: Vec<f32> = a.iter().map(|&x| x as f32).collect();
         let vector: Vec<f32> = q.iter().map(|&x| x as f32).collect();
         let narrow = Batch { a: Numbers::Single(&single), q: Numbers::Single(&vector), ..cold };
-        assert_same_on_every_kind(narrow, COUNT, "single precision, polished");
-        assert_same_on_every_kind(Batch { polish: false, ..narrow }, COUNT, "single precision");
+        let narrow = assert_same_on_every_kind(narrow, COUNT, "single precision");
+        let (a, q): (Vec<f64>, Vec<f64>) =
+            (single.iter().map(|&x| x.into()).collect(), vector.iter().map(|&x| x.into()).collect());
+        let wide = Batch { a: Numbers::Double(&a), q: Numbers::Double(&q), ..cold };
+        assert_eq!(narrow, solved_by::<F64x8<true>, 0>(wide, COUNT), "widened, n = {n}");
     }
     for method in [NEWTON, LEMKE, ENUMERATE] {
         assert!(methods[usize::from(method)] > 100, "{methods:?}");
@@ -171,14 +165,8 @@ fn threads_of_a_batch(count: usize) -> HashSet<ThreadId> {
         seen.lock().unwrap_or_else(PoisonError::into_inner).insert(std::thread::current().id());
         false
     };
-    let settings = Settings {
-        method: &Method::Auto,
-        tol: 1e-9,
-        threads: 0,
-        guess: Guess::None,
-        polish: true,
-        interrupted: Some(&note),
-    };
+    let settings =
+        Settings { method: &Method::Auto, tol: 1e-9, threads: 0, guess: Guess::None, interrupted: Some(&note) };
     assert!(solve_batch(&problems, &settings, Results::new(8, count).output()).expect("finite numbers"));
     seen.into_inner().unwrap_or_else(PoisonError::into_inner)
 }

@@ -6,10 +6,10 @@ use super::lanes::Lanes;
 use crate::error::Result;
 use crate::member::Member;
 #[cfg(target_arch = "x86_64")]
-use crate::small::avx::{Ymm2, YmmS, Zmm, ZmmS};
+use crate::small::avx::{Ymm2, Zmm};
 #[cfg(target_arch = "x86_64")]
 use crate::small::lane::Pair;
-use crate::small::lane::{F32x8, F64x8, Lane};
+use crate::small::lane::{F64x8, Lane};
 use multiversion::multiversion;
 use multiversion::target::target_cfg_f;
 
@@ -40,21 +40,21 @@ pub fn work<'a>(
     {
         if target_cfg_f!(target_feature = "avx512f") {
             if problems.n > PAIR_ORDER {
-                return run::<Zmm, YmmS, 0>(problems, settings, next);
+                return run::<Zmm, 0>(problems, settings, next);
             }
             return match problems.n {
-                4 => run::<Pair<Zmm>, ZmmS, 4>(problems, settings, next),
-                8 => run::<Pair<Zmm>, ZmmS, 8>(problems, settings, next),
-                12 => run::<Pair<Zmm>, ZmmS, 12>(problems, settings, next),
-                16 => run::<Pair<Zmm>, ZmmS, 16>(problems, settings, next),
-                _ => run::<Pair<Zmm>, ZmmS, 0>(problems, settings, next),
+                4 => run::<Pair<Zmm>, 4>(problems, settings, next),
+                8 => run::<Pair<Zmm>, 8>(problems, settings, next),
+                12 => run::<Pair<Zmm>, 12>(problems, settings, next),
+                16 => run::<Pair<Zmm>, 16>(problems, settings, next),
+                _ => run::<Pair<Zmm>, 0>(problems, settings, next),
             };
         }
         if target_cfg_f!(target_feature = "avx2") {
             return match problems.n {
-                4 => run::<Ymm2, YmmS, 4>(problems, settings, next),
-                8 => run::<Ymm2, YmmS, 8>(problems, settings, next),
-                _ => run::<Ymm2, YmmS, 0>(problems, settings, next),
+                4 => run::<Ymm2, 4>(problems, settings, next),
+                8 => run::<Ymm2, 8>(problems, settings, next),
+                _ => run::<Ymm2, 0>(problems, settings, next),
             };
         }
     }
@@ -69,19 +69,19 @@ fn portable<'a>(
     next: &(dyn Fn() -> Option<Chunk<'a>> + Sync),
 ) -> Result<()> {
     const FUSED: bool = cfg!(target_arch = "aarch64");
-    run::<F64x8<FUSED>, F32x8<FUSED>, 0>(problems, settings, next)
+    run::<F64x8<FUSED>, 0>(problems, settings, next)
 }
 
-/// `X` holds problems side by side, `S` as many in single precision; `N` is the order if known at compile time, else 0.
+/// `X` holds problems side by side; `N` is the order if known at compile time, else 0.
 #[inline(always)]
-pub(super) fn run<'a, X: Lane<Number = f64>, S: Lane<Number = f32>, const N: usize>(
+pub(super) fn run<'a, X: Lane, const N: usize>(
     problems: &Problems<'_>,
     settings: &Settings<'_>,
     next: &(dyn Fn() -> Option<Chunk<'a>> + Sync),
 ) -> Result<()> {
     let n = problems.n;
     let in_lanes = settings.by_kernels() && n > 0 && n <= GUESS_ORDER;
-    let mut lanes = Lanes::<X, S>::new(if in_lanes { n } else { 0 }, problems);
+    let mut lanes = Lanes::<X>::new(if in_lanes { n } else { 0 });
     let mut alone = Alone::new(problems, settings);
     let mut waiting = Vec::new();
     while let Some(mut chunk) = next() {

@@ -9,11 +9,9 @@ use super::lane::Pair;
 
 /// The operations of [`Lane`] that differ between registers by the instruction only.
 macro_rules! operations {
-    ($number:ident, $lanes:literal, $mask:ident, $compare:ident, $splat:ident, $fma:ident, $fnma:ident, $($name:ident = $instruction:ident),*) => {
-        type Number = $number;
+    ($lanes:literal, $mask:ident, $compare:ident, $splat:ident, $fma:ident, $fnma:ident, $($name:ident = $instruction:ident),*) => {
         type Mask = $mask;
         const LANES: usize = $lanes;
-        const EPS: f64 = $number::EPSILON as f64;
 
         $(#[inline(always)]
         fn $name(self, x: Self) -> Self {
@@ -21,7 +19,7 @@ macro_rules! operations {
         })*
         #[inline(always)]
         fn splat(x: f64) -> Self {
-            Self(unsafe { $splat(x as $number) })
+            Self(unsafe { $splat(x) })
         }
         #[inline(always)]
         fn add_product(self, a: Self, b: Self) -> Self {
@@ -49,10 +47,10 @@ macro_rules! operations {
         }
         #[inline(always)]
         fn get(&self, l: usize) -> f64 {
-            f64::from(self.numbers()[l])
+            self.numbers()[l]
         }
         #[inline(always)]
-        fn set(&mut self, l: usize, x: $number) {
+        fn set(&mut self, l: usize, x: f64) {
             self.numbers_mut()[l] = x;
         }
         #[inline(always)]
@@ -64,74 +62,18 @@ macro_rules! operations {
 
 /// A register as numbers in memory.
 macro_rules! numbers {
-    ($register:ident, $number:ident, $lanes:literal) => {
+    ($register:ident, $lanes:literal) => {
         impl $register {
             #[inline(always)]
-            fn numbers(&self) -> &[$number; $lanes] {
+            fn numbers(&self) -> &[f64; $lanes] {
                 // SAFETY: a register is its numbers in memory, in order.
                 unsafe { &*std::ptr::from_ref(self).cast() }
             }
 
             #[inline(always)]
-            fn numbers_mut(&mut self) -> &mut [$number; $lanes] {
+            fn numbers_mut(&mut self) -> &mut [f64; $lanes] {
                 // SAFETY: as `numbers`.
                 unsafe { &mut *std::ptr::from_mut(self).cast() }
-            }
-        }
-    };
-}
-
-/// A bit per lane.
-macro_rules! bits {
-    ($mask:ident, $bits:ty, $lanes:literal) => {
-        /// A bit per lane.
-        #[derive(Clone, Copy, Debug)]
-        pub struct $mask($bits);
-
-        impl Mask for $mask {
-            const LANES: usize = $lanes;
-            const NONE: Self = Self(0);
-            const ALL: Self = Self(<$bits>::MAX);
-
-            #[inline(always)]
-            fn get(&self, l: usize) -> bool {
-                self.0 >> l & 1 == 1
-            }
-            #[inline(always)]
-            fn set(&mut self, l: usize, yes: bool) {
-                self.0 = self.0 & !(1 << l) | <$bits>::from(yes) << l;
-            }
-            #[inline(always)]
-            fn from_bits(bits: u32) -> Self {
-                Self(bits as $bits)
-            }
-            #[inline(always)]
-            fn and(self, x: Self) -> Self {
-                Self(self.0 & x.0)
-            }
-            #[inline(always)]
-            fn or(self, x: Self) -> Self {
-                Self(self.0 | x.0)
-            }
-            #[inline(always)]
-            fn xor(self, x: Self) -> Self {
-                Self(self.0 ^ x.0)
-            }
-            #[inline(always)]
-            fn not(self) -> Self {
-                Self(!self.0)
-            }
-            #[inline(always)]
-            fn choose(self, yes: Self, no: Self) -> Self {
-                Self(self.0 & yes.0 | !self.0 & no.0)
-            }
-            #[inline(always)]
-            fn any(self) -> bool {
-                self.0 != 0
-            }
-            #[inline(always)]
-            fn bits(self) -> u32 {
-                u32::from(self.0)
             }
         }
     };
@@ -158,76 +100,16 @@ impl<const L: usize> Places<L> {
 
 /// Number after number: the machine's gather is slower where it is kept from leaking data.
 macro_rules! pick {
-    ($v:ident, $at:ident, $number:ty, $set:ident, $($l:literal)*) => {{
+    ($v:ident, $at:ident, $set:ident, $($l:literal)*) => {{
         assert!($v.len() >= $at.span);
-        let first: *const $number = $v.as_ptr().cast();
+        let first: *const f64 = $v.as_ptr().cast();
         Self(unsafe { $set($(*first.add($at.numbers[$l] as usize)),*) })
     }};
 }
 
-/// All bits or none, lane by lane.
-macro_rules! words {
-    ($mask:ident, $register:ident, $word:ty, $lanes:literal, $and:ident, $or:ident, $xor:ident, $movemask:ident) => {
-        /// All bits or none, lane by lane.
-        #[derive(Clone, Copy, Debug)]
-        #[repr(transparent)]
-        pub struct $mask($register);
-
-        impl Mask for $mask {
-            const LANES: usize = $lanes;
-            // SAFETY: any bits are numbers.
-            const NONE: Self = Self(unsafe { transmute::<[$word; $lanes], $register>([0; $lanes]) });
-            const ALL: Self = Self(unsafe { transmute::<[$word; $lanes], $register>([<$word>::MAX; $lanes]) });
-
-            #[inline(always)]
-            fn get(&self, l: usize) -> bool {
-                self.bits() >> l & 1 == 1
-            }
-            #[inline(always)]
-            fn set(&mut self, l: usize, yes: bool) {
-                // SAFETY: a register is its words in memory, in order.
-                let words: &mut [$word; $lanes] = unsafe { &mut *std::ptr::from_mut(self).cast() };
-                words[l] = if yes { <$word>::MAX } else { 0 };
-            }
-            #[inline(always)]
-            fn from_bits(bits: u32) -> Self {
-                let words: [$word; $lanes] = std::array::from_fn(|l| <$word>::from(bits >> l & 1).wrapping_neg());
-                // SAFETY: as `NONE`.
-                Self(unsafe { transmute::<[$word; $lanes], $register>(words) })
-            }
-            #[inline(always)]
-            fn and(self, x: Self) -> Self {
-                Self(unsafe { $and(self.0, x.0) })
-            }
-            #[inline(always)]
-            fn or(self, x: Self) -> Self {
-                Self(unsafe { $or(self.0, x.0) })
-            }
-            #[inline(always)]
-            fn xor(self, x: Self) -> Self {
-                Self(unsafe { $xor(self.0, x.0) })
-            }
-            #[inline(always)]
-            fn not(self) -> Self {
-                Self(unsafe { $xor(self.0, Self::ALL.0) })
-            }
-            #[inline(always)]
-            fn any(self) -> bool {
-                self.bits() != 0
-            }
-            #[inline(always)]
-            fn bits(self) -> u32 {
-                unsafe { $movemask(self.0) as u32 }
-            }
-        }
-    };
-}
-
 // After the macros, which they use.
-mod single;
 mod ymm;
 mod zmm;
-pub use single::{YmmS, ZmmS};
 pub use ymm::Ymm;
 pub use zmm::Zmm;
 

@@ -43,7 +43,7 @@ pub fn run(task: Task<'_>, a: &[f64], q: &[f64], w: &mut [f64], tol: f64) -> Out
 /// The memory leaves its home for the time of the run: code inside a closure would not be compiled for the instruction set of
 /// [`run`].
 #[inline(always)]
-fn run_in<X: Lane<Number = f64>>(
+fn run_in<X: Lane>(
     home: &'static LocalKey<Home<X>>,
     task: Task<'_>,
     a: &[f64],

@@ -7,7 +7,7 @@
 mod array;
 mod pair;
 
-pub use array::{F32x8, F64x8};
+pub use array::F64x8;
 pub use pair::Pair;
 
 /// Columns that [`Lane::load_columns`] and [`Lane::store_columns`] move at a time.
@@ -16,34 +16,30 @@ pub const BLOCK: usize = 8;
 /// Most lanes of any kind.
 pub const MOST_LANES: usize = 16;
 
-/// Lanes of one floating-point type with the operations of the kernels.
+/// Lanes of doubles with the operations of the kernels.
 pub trait Lane: Copy {
-    /// The number in each lane.
-    type Number: Copy;
     /// One yes or no per lane.
     type Mask: Mask;
     /// One place in a slice per lane.
     type Index: Copy;
     /// Problems solved side by side.
     const LANES: usize;
-    /// Spacing of numbers at 1.
-    const EPS: f64;
 
     /// The same number in every lane.
     fn splat(x: f64) -> Self;
     /// The first numbers of `x`, then zeros.
-    fn from_slice(x: &[Self::Number]) -> Self;
-    /// Lane `l`, as a double.
+    fn from_slice(x: &[f64]) -> Self;
+    /// Lane `l`.
     fn get(&self, l: usize) -> f64;
     /// Sets lane `l`.
-    fn set(&mut self, l: usize, x: Self::Number);
+    fn set(&mut self, l: usize, x: f64);
     /// Sets lane `l` to that of `x`.
     fn set_from(&mut self, l: usize, x: &Self);
     /// Lane l of `out[k]` is `rows[l][first + k]`, for at most `BLOCK` columns k.
-    fn load_columns(rows: &[&[Self::Number]], first: usize, out: &mut [Self]);
+    fn load_columns(rows: &[&[f64]], first: usize, out: &mut [Self]);
     /// `rows[l stride + k]` is lane l of `columns[k]`, for at most `BLOCK` columns k; the rest of `BLOCK` numbers, from
     /// `l stride` on, is overwritten too, lane after lane.
-    fn store_columns(columns: &[Self], rows: &mut [Self::Number], stride: usize);
+    fn store_columns(columns: &[Self], rows: &mut [f64], stride: usize);
     /// `stride` times each lane's number, which is a place below `limit`; others are moved into that range.
     fn index(self, limit: usize, stride: usize) -> Self::Index;
     /// Lane l of `v[at_l]`.

@@ -73,7 +73,7 @@ impl<X> Default for Lemke<X> {
     }
 }
 
-impl<X: Lane<Number = f64>> Lemke<X> {
+impl<X: Lane> Lemke<X> {
     /// Runs the method and refines the answer until it is verified; `w = A z + q` as computed. Asks for memory `ahead` beside each pivot.
     #[inline(always)]
     pub fn solve_and_verify(&mut self, a: &[f64], q: &[f64], w: &mut [f64], tol: f64, ahead: &mut Ahead) -> Outcome {

@@ -11,11 +11,7 @@ pub(crate) const TIE: f64 = 1.0 + 1e-11;
 
 /// The row of `value + z_0 covering` that is the last to become nonnegative as z_0 grows from 0; `None` if all are. O(n).
 #[inline(always)]
-pub fn last_to_become_nonnegative<X: Lane<Number = f64>>(
-    covering: &[X],
-    value: &[X],
-    needed: &mut [X],
-) -> Option<usize> {
+pub fn last_to_become_nonnegative<X: Lane>(covering: &[X], value: &[X], needed: &mut [X]) -> Option<usize> {
     let mut largest = X::splat(0.0);
     for ((needed, v), d) in needed.iter_mut().zip(value).zip(covering) {
         *needed = v.neg().div(*d);
@@ -28,7 +24,7 @@ pub fn last_to_become_nonnegative<X: Lane<Number = f64>>(
 /// The row of the basic variable that reaches zero first as the driving one grows, which changes them by `column`: `favoured` if
 /// it is among them, else that of the largest pivot. `None` if nothing blocks. O(n).
 #[inline(always)]
-pub fn first_to_reach_zero<X: Lane<Number = f64>>(
+pub fn first_to_reach_zero<X: Lane>(
     column: &[X],
     value: &[X],
     ratio: &mut [X],
@@ -60,12 +56,7 @@ pub fn first_to_reach_zero<X: Lane<Number = f64>>(
 
 /// The same where rows are tied or a pivot is too small.
 #[inline(always)]
-fn best_of_tied<X: Lane<Number = f64>>(
-    column: &[X],
-    ratio: &mut [X],
-    tolerance: X,
-    favoured: Option<usize>,
-) -> Option<usize> {
+fn best_of_tied<X: Lane>(column: &[X], ratio: &mut [X], tolerance: X, favoured: Option<usize>) -> Option<usize> {
     let (zero, infinity) = (X::splat(0.0), X::splat(f64::INFINITY));
     let mut least = infinity;
     for (ratio, c) in ratio.iter_mut().zip(column) {

@@ -94,7 +94,7 @@ pub fn in_lanes<X: Lane, const N: usize>(n: usize, a: &[X], q: &[X]) -> (Scales<
 /// The scales of one problem, rows and columns in vectors of `BLOCK`, the factor of q in every lane; `None` where they cannot be
 /// trusted. O(n^2) a sweep.
 #[inline(always)]
-pub fn of_one<X: Lane<Number = f64>>(a: &[f64], q: &[f64]) -> Option<Scales<X, WIDEST>> {
+pub fn of_one<X: Lane>(a: &[f64], q: &[f64]) -> Option<Scales<X, WIDEST>> {
     let (n, width) = (q.len(), q.len().div_ceil(BLOCK));
     let (zero, one) = (X::splat(0.0), X::splat(1.0));
     let mut scales = Scales { rows: [one; WIDEST], columns: [one; WIDEST], q: one };

@@ -52,7 +52,7 @@ struct Pivot {
 
 impl Pivot {
     #[inline(always)]
-    fn apply<X: Lane<Number = f64>>(self, c: &[X], t: &mut [X]) {
+    fn apply<X: Lane>(self, c: &[X], t: &mut [X]) {
         let (p, b) = (X::splat(at(t, self.r) * self.factor), self.r / WIDTH);
         // A whole vector, because one that was just written to in part is slow to read.
         let own = p.or_else(is_number::<X>(self.r, b), t[b].add_product(c[b], p));
@@ -64,7 +64,7 @@ impl Pivot {
 
     /// The same for the basic variables; what cancels is rounding error, and zero.
     #[inline(always)]
-    fn apply_to_values<X: Lane<Number = f64>>(self, c: &[X], value: &mut [X]) {
+    fn apply_to_values<X: Lane>(self, c: &[X], value: &mut [X]) {
         let (p, noise) = (X::splat(at(value, self.r) * self.factor), X::splat(NOISE));
         for (b, (v, c)) in value.iter_mut().zip(c).enumerate() {
             let sum = v.add_product(*c, p);
@@ -74,7 +74,7 @@ impl Pivot {
 
     /// The column of the variable that left, which was a unit vector.
     #[inline(always)]
-    fn apply_to_own<X: Lane<Number = f64>>(self, c: &[X], t: &mut [X]) {
+    fn apply_to_own<X: Lane>(self, c: &[X], t: &mut [X]) {
         let p = X::splat(-self.factor);
         for (b, (t, c)) in t.iter_mut().zip(c).enumerate() {
             *t = p.or_else(is_number::<X>(self.r, b), c.mul(p));
@@ -99,7 +99,7 @@ impl<X> Default for Tableau<X> {
     }
 }
 
-impl<X: Lane<Number = f64>> Tableau<X> {
+impl<X: Lane> Tableau<X> {
     /// `w = q + A z + d z_0` for the row-major `a`. `false` if a number of it is not finite: the pivots may never come across it.
     /// O(n^2).
     #[inline(always)]
@@ -287,7 +287,7 @@ impl<X: Lane<Number = f64>> Tableau<X> {
 
 /// A column sees pivots with driving columns `driven`, one after the other.
 #[inline(always)]
-fn apply_all<X: Lane<Number = f64>, const W: usize>(pivots: &[Pivot], driven: &[X], column: &mut [X]) {
+fn apply_all<X: Lane, const W: usize>(pivots: &[Pivot], driven: &[X], column: &mut [X]) {
     for (pivot, c) in pivots.iter().zip(driven.chunks_exact(if W == 0 { column.len() } else { W })) {
         pivot.apply(c, column);
     }
@@ -295,18 +295,18 @@ fn apply_all<X: Lane<Number = f64>, const W: usize>(pivots: &[Pivot], driven: &[
 
 /// Number `i` of a padded vector.
 #[inline(always)]
-pub(super) fn at<X: Lane<Number = f64>>(v: &[X], i: usize) -> f64 {
+pub(super) fn at<X: Lane>(v: &[X], i: usize) -> f64 {
     v[i / WIDTH].get(i % WIDTH)
 }
 
 #[inline(always)]
-pub(super) fn put<X: Lane<Number = f64>>(v: &mut [X], i: usize, x: f64) {
+pub(super) fn put<X: Lane>(v: &mut [X], i: usize, x: f64) {
     v[i / WIDTH].set(i % WIDTH, x);
 }
 
 /// Which number of vector `block` is number `i` of a padded vector.
 #[inline(always)]
-fn is_number<X: Lane<Number = f64>>(i: usize, block: usize) -> X::Mask {
+fn is_number<X: Lane>(i: usize, block: usize) -> X::Mask {
     const COUNT: [f64; WIDTH] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
     X::from_slice(&COUNT).eq(X::splat(i as f64 - (WIDTH * block) as f64))
 }
@@ -354,7 +354,7 @@ mod tests {
     }
 
     /// Pivots on both, compared: the k-th for each k of `range`. Every fifth variable that drives has left just before.
-    fn follow<X: Lane<Number = f64>, const W: usize>(tableau: &mut Tableau<X>, plain: &mut Plain, range: Range<usize>) {
+    fn follow<X: Lane, const W: usize>(tableau: &mut Tableau<X>, plain: &mut Plain, range: Range<usize>) {
         let n = plain.basic.len();
         for k in range {
             let variable = if k % 5 == 4 { plain.left } else { plain.nonbasic[(7 * k + 3) % (n + 1)] };

@@ -147,7 +147,7 @@ impl<X: Lane> Rows<X> {
     fn new(n: usize, largest_q: X, tol: f64) -> Self {
         let zero = X::splat(0.0);
         Self {
-            rounding: X::splat(0.5 * (n as f64 + 2.0) * X::EPS * 1.01),
+            rounding: X::splat(0.5 * (n as f64 + 2.0) * f64::EPSILON * 1.01),
             allowed: largest_q.mul(X::splat(9.99 * tol)),
             part: X::splat(0.999 * tol / (2.0 * n as f64 + 1.0)),
             largest_m: largest_q.mul(X::splat(LARGEST)),
@@ -195,7 +195,7 @@ impl<X: Lane> Rows<X> {
 
 /// [`verify`] for one problem in double precision, a row-major; also writes `w = A z + q`. O(n^2).
 #[inline(always)]
-pub fn verify_one<X: Lane<Number = f64>>(
+pub fn verify_one<X: Lane>(
     a: &[f64],
     q: &[f64],
     z: &[X],
@@ -231,7 +231,7 @@ pub fn verify_one<X: Lane<Number = f64>>(
 
 /// `w = A z + q` and `m = |A||z| + |q|` block by block, for the blocks of z. O(n^2), four rows at a time.
 #[inline(always)]
-fn slacks_and_magnitudes<X: Lane<Number = f64>>(a: &[f64], q: &[f64], z: &[X], sums: &mut [[X; 2]]) {
+fn slacks_and_magnitudes<X: Lane>(a: &[f64], q: &[f64], z: &[X], sums: &mut [[X; 2]]) {
     const ROWS: usize = 4;
     let (n, zero) = (q.len(), X::splat(0.0));
     let whole = n / BLOCK;
@@ -263,7 +263,7 @@ fn slacks_and_magnitudes<X: Lane<Number = f64>>(a: &[f64], q: &[f64], z: &[X], s
 
 /// Whether a row with `m_i = 0` has a product that underflowed.
 #[inline(always)]
-fn something_lost<X: Lane<Number = f64>>(n: usize, a: &[f64], z: &[X], sums: &[[X; 2]]) -> bool {
+fn something_lost<X: Lane>(n: usize, a: &[f64], z: &[X], sums: &[[X; 2]]) -> bool {
     let positive = |j: usize| z[j / BLOCK].get(j % BLOCK) > 0.0;
     a.chunks_exact(n)
         .enumerate()

@@ -4,8 +4,7 @@
 const ITERATIONS: usize = 6;
 
 /// In this order.
-pub(super) const PHASES: [Phase; 6] =
-    [Phase::Guess, Phase::Point, Phase::Single, Phase::Enumerate, Phase::Newton, Phase::Lemke];
+pub(super) const PHASES: [Phase; 5] = [Phase::Guess, Phase::Point, Phase::Enumerate, Phase::Newton, Phase::Lemke];
 
 /// What lanes do together.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -14,8 +13,6 @@ pub(super) enum Phase {
     Guess,
     /// The point that the caller guesses, as it is.
     Point,
-    /// Newton's method in single precision.
-    Single,
     Enumerate,
     Newton,
     Lemke,
@@ -23,7 +20,7 @@ pub(super) enum Phase {
 
 impl Phase {
     pub fn is_newton(self) -> bool {
-        matches!(self, Self::Single | Self::Newton)
+        self == Self::Newton
     }
 
     /// At most.

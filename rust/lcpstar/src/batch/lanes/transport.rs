@@ -7,7 +7,7 @@ use crate::batch::work::Task;
 use crate::small::lane::{BLOCK, Lane, MOST_LANES, Mask};
 use crate::small::verify::Verdict;
 
-impl<X: Lane<Number = f64>, S: Lane<Number = f32>> Lanes<X, S> {
+impl<X: Lane> Lanes<X> {
     /// Copies problems into the lanes; spare lanes repeat the last one. Blocks of A that the lanes hold already stay.
     #[inline(always)]
     pub(super) fn load<const N: usize>(&mut self, task: &Task<'_>, members: &[usize]) {
@@ -18,12 +18,12 @@ impl<X: Lane<Number = f64>, S: Lane<Number = f32>> Lanes<X, S> {
             let place = task.first + members[l.min(members.len() - 1)];
             (a_blocks[l], q_blocks[l]) = (problems.a_source.block(place), problems.q_source.block(place));
         }
-        let (tile, singles) = (&mut self.tile, &mut self.singles);
+        let tile = &mut self.tile;
         if a_blocks[..X::LANES] != self.loaded[..X::LANES] {
-            columns(problems.a, n * n, &a_blocks, &mut singles.a, &mut tile.a);
+            columns(problems.a, n * n, &a_blocks, &mut tile.a);
             self.loaded = a_blocks;
         }
-        columns(problems.q, n, &q_blocks, &mut singles.q, &mut tile.q);
+        columns(problems.q, n, &q_blocks, &mut tile.q);
     }
 
     /// Plans to ask for the matrices of the problems that are next.
@@ -102,40 +102,30 @@ fn runs(members: &[usize], solved: u32) -> impl Iterator<Item = (usize, usize, u
     })
 }
 
-/// Number e of block `blocks[l]` goes to lane l of `out[e]`, for `length` numbers e; by way of `singles` what is in single precision.
+/// As [`transpose`]; single precision is widened on the way.
 #[inline(always)]
-fn columns<X: Lane<Number = f64>, S: Lane<Number = f32>>(
-    numbers: Numbers<'_>,
-    length: usize,
-    blocks: &[usize; MOST_LANES],
-    singles: &mut [S],
-    out: &mut [X],
-) {
-    match numbers {
-        Numbers::Double(x) => transpose::<X>(x, length, blocks, out),
-        Numbers::Single(x) => {
-            transpose::<S>(x, length, blocks, singles);
-            widen(&singles[..length], out);
+fn columns<X: Lane>(numbers: Numbers<'_>, length: usize, blocks: &[usize; MOST_LANES], out: &mut [X]) {
+    let singles = match numbers {
+        Numbers::Double(x) => return transpose(x, length, blocks, out),
+        Numbers::Single(x) => x,
+    };
+    let mut doubles = [[0.0; BLOCK]; MOST_LANES];
+    for (b, out) in out[..length].chunks_mut(BLOCK).enumerate() {
+        for (doubles, block) in doubles[..X::LANES].iter_mut().zip(blocks) {
+            let singles = &singles[block * length + BLOCK * b..][..out.len()];
+            for (double, single) in doubles.iter_mut().zip(singles) {
+                *double = f64::from(*single);
+            }
         }
-    }
-}
-
-/// The same numbers in double precision.
-#[inline(always)]
-pub(super) fn widen<X: Lane<Number = f64>, S: Lane<Number = f32>>(singles: &[S], out: &mut [X]) {
-    for (out, single) in out.iter_mut().zip(singles) {
-        let mut doubles = [0.0; MOST_LANES];
-        for (l, double) in doubles[..X::LANES].iter_mut().enumerate() {
-            *double = single.get(l);
-        }
-        *out = X::from_slice(&doubles[..X::LANES]);
+        let rows = doubles.each_ref().map(<[f64; BLOCK]>::as_slice);
+        X::load_columns(&rows[..X::LANES], 0, out);
     }
 }
 
 /// Number e of block `blocks[l]` goes to lane l of `out[e]`, for `length` numbers e.
 #[inline(always)]
-pub(super) fn transpose<X: Lane>(numbers: &[X::Number], length: usize, blocks: &[usize; MOST_LANES], out: &mut [X]) {
-    let mut sources: [&[X::Number]; MOST_LANES] = [&[]; MOST_LANES];
+pub(super) fn transpose<X: Lane>(numbers: &[f64], length: usize, blocks: &[usize; MOST_LANES], out: &mut [X]) {
+    let mut sources: [&[f64]; MOST_LANES] = [&[]; MOST_LANES];
     for (source, block) in sources[..X::LANES].iter_mut().zip(blocks) {
         *source = &numbers[block * length..(block + 1) * length];
     }

@@ -116,7 +116,7 @@ impl<X: Lane> Factors<X> {
         let n = if N == 0 { n } else { N };
         let (lower, upper, inverse, y) = (&self.lower[..n * n], &self.upper[..n * n], &self.inverse[..n], &self.y[..n]);
         let z = &mut z[..n];
-        let rounding = X::splat(NOISE * X::EPS);
+        let rounding = X::splat(NOISE * f64::EPSILON);
         for i in 0..n {
             let mut size = q[i].abs().only(alpha[i]);
             for k in 0..i {

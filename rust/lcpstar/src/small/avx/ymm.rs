@@ -3,12 +3,14 @@
 use super::Places;
 use crate::small::lane::{BLOCK, Lane, Mask};
 use std::arch::x86_64::{
-    __m128i, __m256d, _CMP_EQ_OQ, _CMP_LE_OQ, _CMP_LT_OQ, _MM_FROUND_NO_EXC, _MM_FROUND_TO_ZERO, _mm_add_pd, _mm_cvtsd_f64, _mm_loadu_pd, _mm_max_pd,
-    _mm_min_pd, _mm_unpackhi_pd, _mm256_add_pd, _mm256_and_pd, _mm256_andnot_pd, _mm256_blendv_pd,
-    _mm256_castpd128_pd256, _mm256_castpd256_pd128, _mm256_castpd_si256, _mm256_castsi256_pd, _mm256_cmp_pd, _mm256_cvttpd_epi32, _mm256_div_pd,
-    _mm256_extractf128_pd, _mm256_fmadd_pd, _mm256_fnmadd_pd, _mm256_insertf128_pd, _mm256_loadu_pd, _mm256_max_pd,
-    _mm256_min_pd, _mm256_movemask_pd, _mm256_mul_pd, _mm256_or_pd, _mm256_permute2f128_pd, _mm256_round_pd, _mm256_set1_pd,
-    _mm256_setr_pd, _mm256_slli_epi64, _mm256_srli_epi64, _mm256_storeu_pd, _mm256_sub_pd, _mm256_unpackhi_pd, _mm256_unpacklo_pd, _mm256_xor_pd,
+    __m128i, __m256d, _CMP_EQ_OQ, _CMP_LE_OQ, _CMP_LT_OQ, _MM_FROUND_NO_EXC, _MM_FROUND_TO_ZERO, _mm_add_pd,
+    _mm_cvtsd_f64, _mm_loadu_pd, _mm_max_pd, _mm_min_pd, _mm_unpackhi_pd, _mm256_add_pd, _mm256_and_pd,
+    _mm256_andnot_pd, _mm256_blendv_pd, _mm256_castpd_si256, _mm256_castpd128_pd256, _mm256_castpd256_pd128,
+    _mm256_castsi256_pd, _mm256_cmp_pd, _mm256_cvttpd_epi32, _mm256_div_pd, _mm256_extractf128_pd, _mm256_fmadd_pd,
+    _mm256_fnmadd_pd, _mm256_insertf128_pd, _mm256_loadu_pd, _mm256_max_pd, _mm256_min_pd, _mm256_movemask_pd,
+    _mm256_mul_pd, _mm256_or_pd, _mm256_permute2f128_pd, _mm256_round_pd, _mm256_set1_pd, _mm256_setr_pd,
+    _mm256_slli_epi64, _mm256_srli_epi64, _mm256_storeu_pd, _mm256_sub_pd, _mm256_unpackhi_pd, _mm256_unpacklo_pd,
+    _mm256_xor_pd,
 };
 use std::mem::transmute;
 
@@ -17,9 +19,60 @@ use std::mem::transmute;
 #[repr(transparent)]
 pub struct Ymm(pub(super) __m256d);
 
-numbers!(Ymm, f64, 4);
+numbers!(Ymm, 4);
 
-words!(YmmMask, __m256d, u64, 4, _mm256_and_pd, _mm256_or_pd, _mm256_xor_pd, _mm256_movemask_pd);
+/// All bits or none, lane by lane.
+#[derive(Clone, Copy, Debug)]
+#[repr(transparent)]
+pub struct YmmMask(__m256d);
+
+impl Mask for YmmMask {
+    const LANES: usize = 4;
+    // SAFETY: any bits are numbers.
+    const NONE: Self = Self(unsafe { transmute::<[u64; 4], __m256d>([0; 4]) });
+    const ALL: Self = Self(unsafe { transmute::<[u64; 4], __m256d>([u64::MAX; 4]) });
+
+    #[inline(always)]
+    fn get(&self, l: usize) -> bool {
+        self.bits() >> l & 1 == 1
+    }
+    #[inline(always)]
+    fn set(&mut self, l: usize, yes: bool) {
+        // SAFETY: a register is its words in memory, in order.
+        let words: &mut [u64; 4] = unsafe { &mut *std::ptr::from_mut(self).cast() };
+        words[l] = if yes { u64::MAX } else { 0 };
+    }
+    #[inline(always)]
+    fn from_bits(bits: u32) -> Self {
+        let words: [u64; 4] = std::array::from_fn(|l| u64::from(bits >> l & 1).wrapping_neg());
+        // SAFETY: as `NONE`.
+        Self(unsafe { transmute::<[u64; 4], __m256d>(words) })
+    }
+    #[inline(always)]
+    fn and(self, x: Self) -> Self {
+        Self(unsafe { _mm256_and_pd(self.0, x.0) })
+    }
+    #[inline(always)]
+    fn or(self, x: Self) -> Self {
+        Self(unsafe { _mm256_or_pd(self.0, x.0) })
+    }
+    #[inline(always)]
+    fn xor(self, x: Self) -> Self {
+        Self(unsafe { _mm256_xor_pd(self.0, x.0) })
+    }
+    #[inline(always)]
+    fn not(self) -> Self {
+        Self(unsafe { _mm256_xor_pd(self.0, Self::ALL.0) })
+    }
+    #[inline(always)]
+    fn any(self) -> bool {
+        self.bits() != 0
+    }
+    #[inline(always)]
+    fn bits(self) -> u32 {
+        unsafe { _mm256_movemask_pd(self.0) as u32 }
+    }
+}
 
 /// From here on doubles are integers.
 const TWO_52: f64 = 4_503_599_627_370_496.0;
@@ -53,7 +106,6 @@ impl Lane for Ymm {
     type Index = Places<4>;
 
     operations!(
-        f64,
         4,
         YmmMask,
         _mm256_cmp_pd,
@@ -135,7 +187,7 @@ impl Lane for Ymm {
     }
     #[inline(always)]
     fn pick(v: &[Self], at: Places<4>) -> Self {
-        pick!(v, at, f64, _mm256_setr_pd, 0 1 2 3)
+        pick!(v, at, _mm256_setr_pd, 0 1 2 3)
     }
     #[inline(always)]
     fn sum(self) -> f64 {

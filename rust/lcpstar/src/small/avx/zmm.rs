@@ -3,12 +3,12 @@
 use super::{Places, Ymm};
 use crate::small::lane::{BLOCK, Lane, Mask};
 use std::arch::x86_64::{
-    __m256i, __m512d, _CMP_EQ_OQ, _CMP_LE_OQ, _CMP_LT_OQ, _MM_FROUND_NO_EXC, _MM_FROUND_TO_ZERO, _mm256_loadu_pd, _mm512_abs_pd, _mm512_add_pd,
-    _mm512_castpd256_pd512, _mm512_castpd512_pd256, _mm512_cmp_pd_mask, _mm512_cvttpd_epi32, _mm512_div_pd,
-    _mm512_extractf64x4_pd, _mm512_fmadd_pd, _mm512_fnmadd_pd, _mm512_getexp_pd, _mm512_insertf64x4, _mm512_loadu_pd,
-    _mm512_mask_blend_pd, _mm512_maskz_loadu_pd, _mm512_maskz_mov_pd, _mm512_max_pd, _mm512_min_pd, _mm512_mul_pd,
-    _mm512_roundscale_pd, _mm512_scalef_pd, _mm512_set1_pd, _mm512_setr_pd, _mm512_shuffle_f64x2, _mm512_storeu_pd, _mm512_sub_pd, _mm512_unpackhi_pd,
-    _mm512_unpacklo_pd,
+    __m256i, __m512d, _CMP_EQ_OQ, _CMP_LE_OQ, _CMP_LT_OQ, _MM_FROUND_NO_EXC, _MM_FROUND_TO_ZERO, _mm256_loadu_pd,
+    _mm512_abs_pd, _mm512_add_pd, _mm512_castpd256_pd512, _mm512_castpd512_pd256, _mm512_cmp_pd_mask,
+    _mm512_cvttpd_epi32, _mm512_div_pd, _mm512_extractf64x4_pd, _mm512_fmadd_pd, _mm512_fnmadd_pd, _mm512_getexp_pd,
+    _mm512_insertf64x4, _mm512_loadu_pd, _mm512_mask_blend_pd, _mm512_maskz_loadu_pd, _mm512_maskz_mov_pd,
+    _mm512_max_pd, _mm512_min_pd, _mm512_mul_pd, _mm512_roundscale_pd, _mm512_scalef_pd, _mm512_set1_pd,
+    _mm512_setr_pd, _mm512_shuffle_f64x2, _mm512_storeu_pd, _mm512_sub_pd, _mm512_unpackhi_pd, _mm512_unpacklo_pd,
 };
 use std::mem::transmute;
 
@@ -17,9 +17,58 @@ use std::mem::transmute;
 #[repr(transparent)]
 pub struct Zmm(__m512d);
 
-numbers!(Zmm, f64, 8);
+numbers!(Zmm, 8);
 
-bits!(Bits, u8, 8);
+/// A bit per lane.
+#[derive(Clone, Copy, Debug)]
+pub struct Bits(u8);
+
+impl Mask for Bits {
+    const LANES: usize = 8;
+    const NONE: Self = Self(0);
+    const ALL: Self = Self(u8::MAX);
+
+    #[inline(always)]
+    fn get(&self, l: usize) -> bool {
+        self.0 >> l & 1 == 1
+    }
+    #[inline(always)]
+    fn set(&mut self, l: usize, yes: bool) {
+        self.0 = self.0 & !(1 << l) | u8::from(yes) << l;
+    }
+    #[inline(always)]
+    fn from_bits(bits: u32) -> Self {
+        Self(bits as u8)
+    }
+    #[inline(always)]
+    fn and(self, x: Self) -> Self {
+        Self(self.0 & x.0)
+    }
+    #[inline(always)]
+    fn or(self, x: Self) -> Self {
+        Self(self.0 | x.0)
+    }
+    #[inline(always)]
+    fn xor(self, x: Self) -> Self {
+        Self(self.0 ^ x.0)
+    }
+    #[inline(always)]
+    fn not(self) -> Self {
+        Self(!self.0)
+    }
+    #[inline(always)]
+    fn choose(self, yes: Self, no: Self) -> Self {
+        Self(self.0 & yes.0 | !self.0 & no.0)
+    }
+    #[inline(always)]
+    fn any(self) -> bool {
+        self.0 != 0
+    }
+    #[inline(always)]
+    fn bits(self) -> u32 {
+        u32::from(self.0)
+    }
+}
 
 /// The sum, largest or smallest of the lanes: upper half with lower half, again and again.
 macro_rules! fold_zmm {
@@ -56,7 +105,6 @@ impl Lane for Zmm {
     type Index = Places<8>;
 
     operations!(
-        f64,
         8,
         Bits,
         _mm512_cmp_pd_mask,
@@ -135,7 +183,7 @@ impl Lane for Zmm {
     }
     #[inline(always)]
     fn pick(v: &[Self], at: Places<8>) -> Self {
-        pick!(v, at, f64, _mm512_setr_pd, 0 1 2 3 4 5 6 7)
+        pick!(v, at, _mm512_setr_pd, 0 1 2 3 4 5 6 7)
     }
     #[inline(always)]
     fn sum(self) -> f64 {

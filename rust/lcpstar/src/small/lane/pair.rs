@@ -18,18 +18,16 @@ impl<X: Lane> Pair<X> {
 }
 
 impl<X: Lane> Lane for Pair<X> {
-    type Number = X::Number;
     type Mask = Pair<X::Mask>;
     type Index = [X::Index; 2];
     const LANES: usize = 2 * X::LANES;
-    const EPS: f64 = X::EPS;
 
     #[inline(always)]
     fn splat(x: f64) -> Self {
         Self([X::splat(x); 2])
     }
     #[inline(always)]
-    fn from_slice(x: &[X::Number]) -> Self {
+    fn from_slice(x: &[f64]) -> Self {
         let (low, high) = x.split_at(x.len().min(X::LANES));
         Self([X::from_slice(low), X::from_slice(high)])
     }
@@ -38,7 +36,7 @@ impl<X: Lane> Lane for Pair<X> {
         self.0[l / X::LANES].get(l % X::LANES)
     }
     #[inline(always)]
-    fn set(&mut self, l: usize, x: X::Number) {
+    fn set(&mut self, l: usize, x: f64) {
         self.0[l / X::LANES].set(l % X::LANES, x);
     }
     #[inline(always)]
@@ -46,7 +44,7 @@ impl<X: Lane> Lane for Pair<X> {
         self.0[l / X::LANES].set_from(l % X::LANES, &x.0[l / X::LANES]);
     }
     #[inline(always)]
-    fn load_columns(rows: &[&[X::Number]], first: usize, out: &mut [Self]) {
+    fn load_columns(rows: &[&[f64]], first: usize, out: &mut [Self]) {
         let mut columns = [X::splat(0.0); BLOCK];
         for h in 0..2 {
             let columns = &mut columns[..out.len()];
@@ -57,7 +55,7 @@ impl<X: Lane> Lane for Pair<X> {
         }
     }
     #[inline(always)]
-    fn store_columns(columns: &[Self], rows: &mut [X::Number], stride: usize) {
+    fn store_columns(columns: &[Self], rows: &mut [f64], stride: usize) {
         let mut half = [X::splat(0.0); BLOCK];
         for h in 0..2 {
             for (half, column) in half.iter_mut().zip(columns) {
