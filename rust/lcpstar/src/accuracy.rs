@@ -4,6 +4,7 @@
 
 mod bound;
 
+use crate::equilibrate::Equilibrated;
 use crate::error::{LcpError, Result};
 use crate::linalg::backend::SparseFactor;
 use crate::problem::{Lcp, check_finite};

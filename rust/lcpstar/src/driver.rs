@@ -246,7 +246,12 @@ fn by_method(problem: &Equilibrated<'_>, settings: &Settings, control: &Control<
         Method::BlockPivoting(options) => {
             let mut options = options.clone();
             options.alpha = options.alpha.or_else(|| settings.z0.as_deref().map(support));
-            judge(problem, block_pivoting::block_pivoting(scaled, &options, control), Member::BlockPivoting, settings.tol)
+            judge(
+                problem,
+                block_pivoting::block_pivoting(scaled, &options, control),
+                Member::BlockPivoting,
+                settings.tol,
+            )
         }
         Method::InteriorPoint(options) => {
             let found = interior_point_candidate(problem, settings, options, control);
@@ -308,7 +313,8 @@ fn sparse_interior_point(
     let target = &problem.scaling;
     let scaling = target.congruent(problem.original.q());
     let z0 = settings.z0.as_deref().map(|z0| scaling.z_from_caller(z0));
-    let options = interior_point::Settings { tol: congruent_tol(settings.tol, &scaling, target), z0, ..options.clone() };
+    let options =
+        interior_point::Settings { tol: congruent_tol(settings.tol, &scaling, target), z0, ..options.clone() };
     let found = interior_point::interior_point_sparse(&problem.original.scaled(&scaling), &options, control);
     let solution = judge(problem, carried(found, &scaling, target), Member::InteriorPoint, settings.tol);
     if !polish::is_near(&solution, settings.tol) || control.max_iterations.is_some() {
@@ -317,7 +323,11 @@ fn sparse_interior_point(
     let settings = Settings { z0: Some(solution.z.clone()), ..settings.clone() };
     let newton = Approximate::Newton(Default::default());
     let polished = approximate::solve(problem, &settings, &newton, control);
-    if polished.is_solved() { Solution { method: solution.method, iterations: solution.iterations, ..polished } } else { solution }
+    if polished.is_solved() {
+        Solution { method: solution.method, iterations: solution.iterations, ..polished }
+    } else {
+        solution
+    }
 }
 
 /// The tolerance on one scaled problem that gives `tol` on another.
@@ -345,7 +355,8 @@ fn interior_point_candidate(
     let target = &problem.scaling;
     let scaling = target.congruent(problem.original.q());
     let z0 = settings.z0.as_deref().map(|z0| scaling.z_from_caller(z0));
-    let options = interior_point::Settings { tol: congruent_tol(settings.tol, &scaling, target), z0, ..options.clone() };
+    let options =
+        interior_point::Settings { tol: congruent_tol(settings.tol, &scaling, target), z0, ..options.clone() };
     if scaling == *target {
         return interior_point::interior_point(&problem.lcp, &options, control);
     }

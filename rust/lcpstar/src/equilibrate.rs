@@ -28,7 +28,11 @@ pub trait Rows: Clone {
     /// Entry (i, j).
     fn entry(&self, i: usize, j: usize) -> f64 {
         let mut found = 0.0;
-        self.for_each(i, |k, a| if k == j { found = a });
+        self.for_each(i, |k, a| {
+            if k == j {
+                found = a
+            }
+        });
         found
     }
 }

@@ -32,12 +32,7 @@ struct Judged {
 ///
 /// "Solved" needs the [`Rule`]. A point that fails is looked at again without what may be rounding error in it.
 #[must_use]
-pub fn judge<P: Rows>(
-    problem: &Equilibrated<'_, P>,
-    mut candidate: Candidate,
-    method: Member,
-    tol: f64,
-) -> Solution {
+pub fn judge<P: Rows>(problem: &Equilibrated<'_, P>, mut candidate: Candidate, method: Member, tol: f64) -> Solution {
     let z = problem.scaling.z_to_caller(&std::mem::take(&mut candidate.z));
     judge_callers(problem, z, candidate, method, tol)
 }

@@ -139,9 +139,8 @@ fn is_farkas<P: Rows>(lcp: &P, y: &[f64]) -> bool {
         open.retain(|&j| sums.columns[j][0] >= -sums.columns[j][1] && sums.columns[j][2] > 0.0);
     }
     let exact = RationalVec::from_f64(y);
-    let sign = |terms: &[(f64, usize)]| {
-        linear_form(terms.iter().map(|&(a, i)| (a, &exact.numerators[i]))).value.signum()
-    };
+    let sign =
+        |terms: &[(f64, usize)]| linear_form(terms.iter().map(|&(a, i)| (a, &exact.numerators[i]))).value.signum();
     let support: Vec<usize> = (0..y.len()).filter(|&i| y[i] > 0.0).collect();
     if is_q_open && !sign(&support.iter().map(|&i| (lcp.q()[i], i)).collect::<Vec<_>>()).is_negative() {
         return false;

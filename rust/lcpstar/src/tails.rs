@@ -57,7 +57,11 @@ fn is_chained_dominant<P: Rows>(lcp: &P) -> bool {
     let mut into = vec![Vec::new(); n];
     if strict.len() < n {
         for i in 0..n {
-            lcp.for_each(i, |j, a| if j != i && a != 0.0 { into[j].push(i) });
+            lcp.for_each(i, |j, a| {
+                if j != i && a != 0.0 {
+                    into[j].push(i)
+                }
+            });
         }
     }
     let mut reached = vec![false; n];

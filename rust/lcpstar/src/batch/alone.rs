@@ -3,13 +3,13 @@
 
 use super::io::{Guess, Output, Problems, Settings};
 use super::work::{GUESS_ORDER, LEMKE, Task};
-use crate::judge::judge;
-use crate::member::Member;
 use crate::control::Control;
 use crate::driver::{self, doubt};
-use crate::error::{LcpError, Result};
-use crate::problem::Lcp;
 use crate::equilibrate::Equilibrated;
+use crate::error::{LcpError, Result};
+use crate::judge::judge;
+use crate::member::Member;
+use crate::problem::Lcp;
 use crate::small::TINY_ORDER;
 use crate::small::ahead::Ahead;
 use crate::small::dispatch;

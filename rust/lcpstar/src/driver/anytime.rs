@@ -4,13 +4,12 @@
 
 use super::approximate::{Approximate, solve};
 use super::{Certify, Settings, pieces, with_limit};
-use crate::judge::judge;
 use crate::control::Control;
+use crate::equilibrate::Equilibrated;
 use crate::iterative::{Dense, Goal};
 use crate::member::Member;
 use crate::methods::nncg;
 use crate::problem::Lcp;
-use crate::equilibrate::Equilibrated;
 use crate::solution::{Candidate, Solution};
 use crate::status::{Status, Termination};
 

@@ -1,13 +1,13 @@
 //! The approximate methods: one goal, one start, dense or sparse.
 
 use super::Settings;
-use crate::judge::judge;
 use crate::control::Control;
 use crate::equilibrate::{Equilibrated, Rows};
 use crate::error::{LcpError, Result};
 use crate::iterative::{Dense, Goal, Matrix, Sparse};
-use crate::methods::{admm, apgd, newton, nncg, pgs, pgs_sm};
+use crate::judge::judge;
 use crate::member::Member;
+use crate::methods::{admm, apgd, newton, nncg, pgs, pgs_sm};
 use crate::problem::Lcp;
 use crate::solution::{Candidate, Solution};
 use crate::sparse::SparseLcp;

@@ -1,13 +1,13 @@
 //! `auto`: the portfolio on each part of the problem that can be solved on its own, the answer certified on the whole.
 
 use super::{Settings, at_once, portfolio, small};
-use crate::judge::judge;
 use crate::control::Control;
+use crate::equilibrate::Equilibrated;
+use crate::judge::judge;
 use crate::linalg::kernels::dot_compensated;
 use crate::member::Member;
 use crate::presolve::{self, Part, Plan};
 use crate::problem::Lcp;
-use crate::equilibrate::Equilibrated;
 use crate::small::TINY_ORDER;
 use crate::solution::{Candidate, Piece, Solution};
 use crate::status::{Status, Termination};

@@ -1,12 +1,12 @@
 //! A point whose residual is near rounding while some row does not hold to its own numbers: an entry of the solution that
 //! decays to nothing beside the others, and was cut off there. Sweeps find the entries that are missing, however small.
 
-use crate::judge::judge;
 use crate::control::Control;
+use crate::equilibrate::Equilibrated;
 use crate::iterative::{Dense, Sweep};
+use crate::judge::judge;
 use crate::pivoting::basis::basic_point;
 use crate::residual::slack;
-use crate::equilibrate::Equilibrated;
 use crate::solution::{Candidate, Solution};
 use crate::status::{Status, Termination};
 

@@ -6,6 +6,8 @@
 use super::{Certify, Settings, polish, prove, support, with_limit};
 use crate::judge::judge;
 use crate::control::Control;
+use crate::equilibrate::Equilibrated;
+use crate::judge::judge;
 use crate::linalg::dd::Dd;
 use crate::member::Member;
 use crate::methods::{
@@ -14,7 +16,6 @@ use crate::methods::{
 };
 use crate::problem::Lcp;
 use crate::residual::slack;
-use crate::equilibrate::Equilibrated;
 use crate::solution::{Candidate, Solution};
 use crate::status::{Status, Termination};
 
@@ -231,7 +232,8 @@ fn last_resorts(mut race: Race<'_>, settings: &Settings) -> Solution {
     }
     // Frictional contact under a heavy load: the pivots that matter are as small as the rounding of redundant rows.
     let options = interior_point::Settings::default();
-    if race.run(Member::InteriorPoint, |control| super::interior_point_candidate(problem, settings, &options, control)) {
+    if race.run(Member::InteriorPoint, |control| super::interior_point_candidate(problem, settings, &options, control))
+    {
         return race.finish();
     }
     let options = bilinear::Settings::default();

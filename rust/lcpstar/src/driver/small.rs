@@ -50,7 +50,11 @@ pub(super) fn from_guess(lcp: &Lcp, settings: &Settings) -> Option<Solution> {
     let n = lcp.n();
     let z0 = settings.z0.as_deref().filter(|_| n <= TINY_ORDER)?;
     let verified = |z: Vec<f64>, alpha: Vec<usize>, iterations: usize| {
-        verified(lcp, z, Some(alpha), settings.tol).map(|found| Solution { method: Member::WarmStart, iterations, ..found })
+        verified(lcp, z, Some(alpha), settings.tol).map(|found| Solution {
+            method: Member::WarmStart,
+            iterations,
+            ..found
+        })
     };
     let options =
         block_pivoting::Settings { alpha: Some(support(z0)), patience: 1, ..block_pivoting::Settings::default() };
@@ -90,7 +94,9 @@ pub(super) fn solve_part(lcp: &Lcp, settings: &Settings, control: &Control<'_>) 
         Answer::Solved { accepted, alpha, iterations } if balanced.is_none() => {
             return Some(solved(z, w, accepted, members(n, alpha), iterations));
         }
-        Answer::Solved { alpha, iterations, .. } | Answer::Basis { alpha, iterations } => (members(n, alpha), iterations),
+        Answer::Solved { alpha, iterations, .. } | Answer::Basis { alpha, iterations } => {
+            (members(n, alpha), iterations)
+        }
         Answer::None => return None,
     };
     let problem = balanced.unwrap_or_else(|| Equilibrated::new(lcp));

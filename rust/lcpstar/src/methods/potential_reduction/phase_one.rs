@@ -1,11 +1,11 @@
 //! Phase one: a strictly feasible start, `z > 0` and `A z + q > 0`, or the news that none was found.
 
 use crate::control::Control;
+use crate::equilibrate::Equilibrated;
 use crate::linalg::backend::{GramCholesky, StackedQr};
 use crate::linalg::kernels::{axpy, dot};
 use crate::problem::Lcp;
 use crate::residual::slack;
-use crate::equilibrate::Equilibrated;
 use crate::solution::Candidate;
 use crate::status::Termination;
 

@@ -3,12 +3,12 @@
 use super::{Places, Ymm};
 use crate::small::lane::{BLOCK, Lane, Mask};
 use std::arch::x86_64::{
-    __m256i, __m512d, _CMP_EQ_OQ, _CMP_LE_OQ, _CMP_LT_OQ, _MM_FROUND_NO_EXC, _MM_FROUND_TO_ZERO, _mm256_loadu_pd, _mm512_abs_pd, _mm512_add_pd,
-    _mm512_castpd256_pd512, _mm512_castpd512_pd256, _mm512_cmp_pd_mask, _mm512_cvttpd_epi32, _mm512_div_pd,
-    _mm512_extractf64x4_pd, _mm512_fmadd_pd, _mm512_fnmadd_pd, _mm512_getexp_pd, _mm512_insertf64x4, _mm512_loadu_pd,
-    _mm512_mask_blend_pd, _mm512_maskz_loadu_pd, _mm512_maskz_mov_pd, _mm512_max_pd, _mm512_min_pd, _mm512_mul_pd,
-    _mm512_roundscale_pd, _mm512_scalef_pd, _mm512_set1_pd, _mm512_setr_pd, _mm512_shuffle_f64x2, _mm512_storeu_pd, _mm512_sub_pd, _mm512_unpackhi_pd,
-    _mm512_unpacklo_pd,
+    __m256i, __m512d, _CMP_EQ_OQ, _CMP_LE_OQ, _CMP_LT_OQ, _MM_FROUND_NO_EXC, _MM_FROUND_TO_ZERO, _mm256_loadu_pd,
+    _mm512_abs_pd, _mm512_add_pd, _mm512_castpd256_pd512, _mm512_castpd512_pd256, _mm512_cmp_pd_mask,
+    _mm512_cvttpd_epi32, _mm512_div_pd, _mm512_extractf64x4_pd, _mm512_fmadd_pd, _mm512_fnmadd_pd, _mm512_getexp_pd,
+    _mm512_insertf64x4, _mm512_loadu_pd, _mm512_mask_blend_pd, _mm512_maskz_loadu_pd, _mm512_maskz_mov_pd,
+    _mm512_max_pd, _mm512_min_pd, _mm512_mul_pd, _mm512_roundscale_pd, _mm512_scalef_pd, _mm512_set1_pd,
+    _mm512_setr_pd, _mm512_shuffle_f64x2, _mm512_storeu_pd, _mm512_sub_pd, _mm512_unpackhi_pd, _mm512_unpacklo_pd,
 };
 use std::mem::transmute;
 
