@@ -9,7 +9,6 @@ use crate::error::{LcpError, Result};
 use crate::linalg::backend::SparseFactor;
 use crate::problem::{Lcp, check_finite};
 use crate::residual::{equilibrated_residual, natural_residual, slack};
-use crate::equilibrate::Equilibrated;
 use crate::sparse::SparseLcp;
 use bound::Bound;
 

@@ -18,8 +18,8 @@
 use crate::attacks::Problem;
 use crate::exact::{Wide, integer_form, parts, sign, wide_sum};
 use crate::solvable;
-use lcpstar::exact::dyadic::RationalVec;
 use lcpstar::equilibrate::Rows as _;
+use lcpstar::exact::dyadic::RationalVec;
 use lcpstar::scaling::Scaling;
 use lcpstar::{Certificate, Lcp, Solution, Status};
 use num_bigint::BigInt;

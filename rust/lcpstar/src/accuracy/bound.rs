@@ -1,10 +1,10 @@
 //! Rigorous bounds on `max|z - z*|`, for two classes of P-matrices.
 
+use crate::equilibrate::{Equilibrated, Rows};
 use crate::linalg::backend::{DenseCholesky, DenseLu};
 use crate::linalg::kernels::{dot, dot_compensated, max_abs};
 use crate::problem::Lcp;
 use crate::residual::slack;
-use crate::equilibrate::{Equilibrated, Rows};
 use crate::scaling::{Scaling, times_power_of_two};
 use crate::sparse::SparseLcp;
 

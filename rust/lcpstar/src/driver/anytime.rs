@@ -7,6 +7,7 @@ use super::{Certify, Settings, pieces, with_limit};
 use crate::control::Control;
 use crate::equilibrate::Equilibrated;
 use crate::iterative::{Dense, Goal};
+use crate::judge::judge;
 use crate::member::Member;
 use crate::methods::nncg;
 use crate::problem::Lcp;

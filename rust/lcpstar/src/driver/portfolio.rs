@@ -4,7 +4,6 @@
 //! and is named in the result. A member that fails costs its pivot budget, never the answer.
 
 use super::{Certify, Settings, polish, prove, support, with_limit};
-use crate::judge::judge;
 use crate::control::Control;
 use crate::equilibrate::Equilibrated;
 use crate::judge::judge;

@@ -1,8 +1,8 @@
 //! The matrix as an iteration sees it, dense or sparse: `A z + q`, one column at a time, and factorisations.
 
 use super::factors::{DenseFactors, Factors, SparseFactors};
-use crate::linalg::kernels::{affine, axpy};
 use crate::equilibrate::Rows;
+use crate::linalg::kernels::{affine, axpy};
 use crate::problem::Lcp;
 use crate::residual;
 use crate::sparse::SparseLcp;

@@ -11,11 +11,11 @@ pub use direction::{Direction, DirectionSolver, scaled_direction};
 pub use phase_one::strictly_feasible;
 
 use crate::control::Control;
+use crate::equilibrate::Rows;
 use crate::error::{LcpError, Result};
 use crate::linalg::kernels::max_abs;
 use crate::problem::{Lcp, check_finite};
 use crate::residual::{equilibrated_residual, natural_residual, slack};
-use crate::equilibrate::Rows;
 use crate::scaling::Scaling;
 use crate::solution::Candidate;
 use crate::status::Termination;

@@ -1,10 +1,10 @@
 //! The principal pivot transform of (A, q). [CPS92, sec. 2.3]
 
+use crate::equilibrate::Equilibrated;
 use crate::error::{LcpError, Result};
 use crate::linalg::backend::{DenseLu, rank};
 use crate::pivoting::basis::principal_block;
 use crate::problem::{Lcp, check_finite, check_finite_matrix};
-use crate::equilibrate::Equilibrated;
 use crate::scaling::times_power_of_two;
 
 /// LCP(p, M): the principal pivot transform of LCP(q, A) on `alpha`, in which `w_alpha` and `z_alpha` trade places:
