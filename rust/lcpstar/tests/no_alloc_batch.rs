@@ -74,7 +74,7 @@ fn allocations_do_not_grow_with_the_batch() {
     let (mut z, mut w) = ([0.0; 12], [0.0; 12]);
     let mut is_solved = |k: usize| {
         let (a, q) = (&a[k * 144..(k + 1) * 144], &q[k * 12..(k + 1) * 12]);
-        matches!(small::solve(a, q, 1e-9, &mut z, &mut w), small::Answer::Solved(_))
+        matches!(small::solve(a, q, 1e-9, &mut z, &mut w), small::Answer::Solved { .. })
     };
     assert!(is_solved(0));
     let before = ALLOCATIONS.load(Ordering::Relaxed);
