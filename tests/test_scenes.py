@@ -302,6 +302,10 @@ def test_the_page_and_the_docstrings_run():
         (lambda: Body(Sphere(1.0), 1.0, (0, 0)), "position must have length 3, got 2"),
         (lambda: Body(Sphere(1.0), 1.0, (0, 0, 0), friction=-0.1), "friction must be nonnegative and finite, got -0.1"),
         (lambda: Body(Sphere(1.0), 1.0, (0, 0, 0), restitution=1.1), r"restitution must lie in \[0, 1\], got 1.1"),
+        (
+            lambda: Body(Sphere(1.0), np.inf, (0, 0, 0), velocity=(1, 0, 0)),
+            "velocity and angular_velocity must be 0 where mass is inf",
+        ),
         (lambda: Polygon.around([[0, 0], [0, 1], [1, 0]]), "counter-clockwise"),
         (lambda: Plane((0, 0, 0)), "normal must not be zero"),
         (lambda: Contact((0, 0, 0), (0, 0, 2), (0, 1)), "normal must have length 1, got 2.0"),

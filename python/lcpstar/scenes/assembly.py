@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..coerce import Matrix, Vector
-from .contact import Contacts, Indices
+from .contact import WORLD, Contacts, Indices
 from .friction import facet_directions, on_facets, with_sliding_speeds
 from .islands import islands
 from .rotation import cross, rotate
@@ -88,6 +88,8 @@ class System:
         self.directions = facet_directions(settings.facets, scene.planar)
         self.T = self.directions.shape[1]
         self.joints, apart = joint_rows(scene, self.masses, scene.joints)
+        self.jointed = np.zeros(len(scene), dtype=bool)
+        self.jointed[self.joints.bodies[self.joints.bodies >= 0]] = True
         self.per_joint = 2 if scene.planar else 3
         self.u = self.masses.pack(scene.velocity, scene.angular_velocity)
         self.free = self._free_velocity()
@@ -107,7 +109,7 @@ class System:
                 turning = cross(scene.inertia * spin, spin) / scene.inertia
             free[:, 3:] = spin + dt * np.where(np.isfinite(turning), turning, 0.0)
         moves = self.masses.movable[:, None]
-        return np.where(moves, free, self.u)
+        return np.where(moves, free, 0.0)
 
     def _targets(self) -> Vector:
         gap, settings = self.contacts.gap, self.settings
@@ -181,7 +183,10 @@ class System:
         return Island(bodies, contacts, rubbing, joints, B, drift, self.directions)
 
     def _products(self, rows: list[Indices], joints: list[Indices]) -> list[tuple[Matrix, Vector]]:
-        """`S S'` and `J u_f + b` of each island over its rows, the joints eliminated."""
+        """`S S'` and `J u_f + b` of each island over its rows, the joints eliminated.
+
+        `S = (S_f, S_j)` by the columns of free and of jointed bodies: joints project `S_j` and leave `S_f S_f'`.
+        """
         flat = np.concatenate([*rows, np.empty(0, np.intp)]).astype(np.intp)
         bodies = np.concatenate([self.normals.bodies, self.tangents.bodies])[flat]
         J = np.concatenate([self.normals.J, self.tangents.J])[flat]
@@ -189,22 +194,23 @@ class System:
         b = np.concatenate([self.b, np.zeros(len(self.tangents.J))])[flat]
         drift = self._without_noise(Rows(bodies, J), self.free, b)
         ends = np.concatenate([[0], np.cumsum([len(r) for r in rows])]).astype(np.intp)
-        dense = _gram(bodies, S, ends)
+        free = np.where((bodies >= 0) & self.jointed[bodies], WORLD, bodies)
+        gram = _gram(free, S, ends)
         result = []
         for k in range(len(rows)):
             part = slice(int(ends[k]), int(ends[k + 1]))
             if len(joints[k]):
                 P, u = self._jointed(bodies[part], S[part], joints[k])
                 A = P @ P.T
-                result.append(((A + A.T) / 2, self._without_noise(Rows(bodies[part], J[part]), u, b[part])))
+                result.append((gram[k] + (A + A.T) / 2, self._without_noise(Rows(bodies[part], J[part]), u, b[part])))
             else:
-                result.append((dense[k], drift[part]))
+                result.append((gram[k], drift[part]))
         return result
 
     def _jointed(self, bodies: Indices, S: Matrix, joints: Indices) -> tuple[Matrix, Matrix]:
-        """The rows S, dense and projected onto the motions that the joints allow, and the velocity without contacts.
+        """`S_j`, dense and projected onto the motions that the joints allow, and the velocity without contacts.
 
-        With the joint rows G: `S (I - G'(G G')^+ G) S'` is the Schur complement of the joints' block.
+        With the joint rows G: `S_j (I - G'(G G')^+ G) S_j'` is the Schur complement of the joints' block.
         """
         projector = self._projector(joints)
         dense = _dense(bodies, S, projector.places)

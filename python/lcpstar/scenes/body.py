@@ -136,6 +136,8 @@ class Body:
         surface(self.friction, self.restitution)
         for name, length in (("position", 3), ("orientation", 4), ("velocity", 3), ("angular_velocity", 3)):
             finite_vector(name, getattr(self, name), length)
+        if np.isinf(self.mass) and (np.any(self.velocity) or np.any(self.angular_velocity)):
+            raise OptionError("velocity and angular_velocity must be 0 where mass is inf: the body never moves")
         if self.inertia is not None and not (finite_vector("inertia", self.inertia, 3) > 0).all():
             raise OptionError(f"inertia must be strictly positive, got {list(self.inertia)}")
 
