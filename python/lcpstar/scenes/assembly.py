@@ -22,7 +22,7 @@ from ..coerce import Matrix, Vector
 from .contact import WORLD, Contacts, Indices
 from .friction import facet_directions, on_facets, with_sliding_speeds
 from .islands import islands
-from .rotation import cross, rotate
+from .rotation import free_spin, rotate
 from .rows import Masses, Rows, contact_rows, joint_rows
 from .scene import Scene
 
@@ -103,11 +103,8 @@ class System:
         scene, dt = self.scene, self.settings.dt
         velocity = scene.velocity + dt * scene.gravity
         free = self.masses.pack(velocity, scene.angular_velocity)
-        if not scene.planar:  # Euler's equations, explicit
-            spin = free[:, 3:]
-            with np.errstate(invalid="ignore"):
-                turning = cross(scene.inertia * spin, spin) / scene.inertia
-            free[:, 3:] = spin + dt * np.where(np.isfinite(turning), turning, 0.0)
+        if not scene.planar:
+            free[:, 3:] = free_spin(scene.inertia, free[:, 3:], dt)
         moves = self.masses.movable[:, None]
         return np.where(moves, free, 0.0)
 
