@@ -1,18 +1,74 @@
-"""Arrays in: lists, any real dtype, any memory order; anything else is an exception that names argument and index."""
+"""Arguments in: arrays of any real dtype and memory order, lists, numbers; anything else raises and names itself."""
 
 from __future__ import annotations
 
+import math
+import operator
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .errors import DTypeError, ShapeError
+from .errors import DTypeError, OptionError, OptionTypeError, ShapeError
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
 
 _FLOAT64 = np.dtype(np.float64)
+
+
+#: Largest count that the core takes, and a time limit [s] beyond which there is none.
+_LARGEST, _FOREVER = 2**63 - 1, 1e9
+
+
+def as_number(name: str, value: Any) -> float:
+    """A real number, not a boolean; NaN is not."""
+    if isinstance(value, (bool, np.bool_, str, bytes, complex)) or not hasattr(value, "__float__") or np.ndim(value):
+        raise OptionTypeError(f"{name} must be a real number, got {_shown(value)}")
+    number = float(value)
+    if math.isnan(number):
+        raise OptionError(f"{name} must be a number, got nan")
+    return number
+
+
+def as_count(name: str, value: Any, least: int = 0) -> int:
+    """An integer that is at least `least`; one beyond 2^63 is no limit, so it becomes the largest the core takes."""
+    if isinstance(value, (bool, np.bool_)) or not hasattr(value, "__index__") or np.ndim(value):
+        raise OptionTypeError(f"{name} must be an integer, got {_shown(value)}")
+    count = operator.index(value)
+    if count < least:
+        rule = {0: "nonnegative", 1: "at least 1"}.get(least, f"at least {least}")
+        raise OptionError(f"{name} must be {rule}, got {count}")
+    return min(count, _LARGEST)
+
+
+def as_flag(name: str, value: Any) -> bool:
+    """True or False."""
+    if not isinstance(value, (bool, np.bool_)):
+        raise OptionTypeError(f"{name} must be True or False, got {_shown(value)}")
+    return bool(value)
+
+
+def as_text(name: str, value: Any) -> str:
+    """A string."""
+    if not isinstance(value, str):
+        raise OptionTypeError(f"{name} must be a string, got {_shown(value)}")
+    return value
+
+
+def as_seconds(name: str, value: Any) -> float | None:
+    """A time limit, None for none: infinity is none, and so is one longer than a life."""
+    if value is None:
+        return None
+    seconds = as_number(name, value)
+    if seconds < 0:
+        raise OptionError(f"{name} must be nonnegative, got {seconds:g}")
+    return seconds if seconds < _FOREVER else None
+
+
+def _shown(value: Any) -> str:
+    text = repr(value)
+    return f"{text if len(text) <= 40 else text[:37] + '...'} of type {type(value).__name__}"
 
 
 def as_matrix(name: str, value: ArrayLike) -> Matrix:

@@ -27,27 +27,26 @@ from .witness import (
 )
 
 
-def _same(verdict: Verdict, prefix: str = "") -> Finding:
-    return Finding(
-        verdict.holds, lambda: prefix + verdict.reason, verdict.witness, partial(getattr, verdict, "certificate")
-    )
+def _same(verdict: Verdict) -> Finding:
+    return Finding(verdict.holds, lambda: verdict.reason, verdict.witness, partial(getattr, verdict, "certificate"))
 
 
 def _both(A: Subject, first: str, second: str) -> Finding:
-    """The intersection of two classes."""
-    for symbol in (first, second):
-        verdict = A.verdict(symbol)
-        if not verdict.holds:
-            return _same(verdict)
+    """The intersection of two classes: one that fails decides, whether or not the other is decided."""
+    verdicts = [A.verdict(first)]
+    if verdicts[0].holds is not False:
+        verdicts.append(A.verdict(second))
+    for answer in (False, None):
+        for verdict in verdicts:
+            if verdict.holds is answer:
+                return _same(verdict)
     return Finding(True, lambda: f"in {first} ({A.verdict(first).reason}) and in {second} ({A.verdict(second).reason})")
 
 
 def _every_principal(A: Subject, symbol: str) -> Finding:
     """Every principal submatrix is in the class."""
     for alpha, block in A.principals():
-        verdict = block.verdict(symbol)
-        if verdict.holds is None:
-            return _same(verdict, f"A[{set(alpha)}]: ")
+        verdict = block.decided(symbol)
         if not verdict:
             return in_submatrix(A, alpha, verdict)
     return Finding(True, f"all {2**A.n - 1} principal submatrices are in {symbol}")
@@ -101,14 +100,14 @@ def is_fully_semimonotone(A: Subject) -> Finding:
 @predicate("E0s", "semimonotone star", limit=24)
 def is_semimonotone_star(A: Subject) -> Finding:
     """E0, and x'Ax = 0, Ax >= 0, x >= 0 imply A'x <= 0. The second is linear on the pieces of SOL(0, A): rays do."""
-    e0 = A.verdict("E0")
+    e0 = A.decided("E0")
     return star(A, "semimonotone") if e0 else _same(e0)
 
 
 @predicate("tE0s", "semimonotone star, tilde", limit=24)
 def is_tilde_semimonotone_star(A: Subject) -> Finding:
     """E0s, and on SOL(0, A): (A'x)_i != 0 implies (Ax)_i != 0. For a sum of rays the signs agree: rays suffice."""
-    e0 = A.verdict("E0")
+    e0 = A.decided("E0")
     return star(A, "semimonotone", tilde=True) if e0 else _same(e0)
 
 
@@ -181,11 +180,11 @@ def is_column_sufficient(A: Subject) -> Finding:
 @predicate("RSU", "row sufficient", limit=16)
 def is_row_sufficient(A: Subject) -> Finding:
     """A' is column sufficient."""
-    verdict = A.transposed.verdict("CSU")
+    verdict = A.transposed.decided("CSU")
     if verdict:
         return Finding(True, "A' is column sufficient")
     witness = InTranspose(verdict.witness)
-    return Finding(verdict.holds, lambda: f"for A': {verdict.reason}", witness)
+    return Finding(False, lambda: f"for A': {verdict.reason}", witness)
 
 
 @predicate("SU", "sufficient", limit=16)
@@ -229,11 +228,15 @@ def _rescale(A: Subject, z: list[int], t: int) -> tuple[Fraction, ...]:
 @predicate("Q", "Q-matrix", limit=10)
 def is_q(A: Subject) -> Finding:
     """LCP(q, A) is solvable for every q: Q0, and no 0 != y >= 0 has A'y <= 0 (else q = -y is infeasible)."""
-    rays = A.ask("infeasibility_rays")
-    if rays:
-        witness = Infeasible(tuple(-v for v in rays[0]), tuple(rays[0]))
+    witness = _infeasible(A)
+    if witness is not None:
         return Finding(False, lambda: witness.sentence(A.rows), witness)
     return _same(A.verdict("Q0"))
+
+
+def _infeasible(A: Subject) -> Infeasible | None:
+    rays = A.ask("infeasibility_rays")
+    return Infeasible(tuple(-v for v in rays[0]), tuple(rays[0])) if rays else None
 
 
 @predicate("Qb", "Qb-matrix", limit=10)
@@ -249,14 +252,17 @@ def is_completely_q(A: Subject) -> Finding:
     if x is None:
         return Finding(True, "strictly semimonotone, which is completely Q")
     support = tuple(i for i, v in enumerate(x) if v)
-    return in_submatrix(A, support, A.principal(support).verdict("Q"))
+    inner = _infeasible(A.principal(support))
+    assert inner is not None
+    witness = inner if len(support) == A.n else InSubmatrix(support, inner)
+    return Finding(False, lambda: witness.sentence(A.rows), witness)
 
 
 @predicate("cQ0", "completely Q0", limit=8)
 def is_completely_q0(A: Subject) -> Finding:
     """Every principal submatrix is in Q0. Z-matrices [Cha70] and strictly semimonotone ones [Cot80] are."""
     for symbol in ("Z", "E"):
-        if A.verdict(symbol):
+        if A.verdict(symbol).holds:
             return Finding(True, f"in {symbol}, which is contained in completely Q0")
     return _every_principal(A, "Q0")
 
@@ -286,9 +292,9 @@ def is_connected(A: Subject) -> Finding:
     complementary cones and of their intersections; the pieces of SOL(q, A) and which of them meet are constant there.
     n = 3: milliseconds, n = 4: seconds.
     """
-    if A.verdict("CSU"):
+    if A.verdict("CSU").holds:
         return Finding(True, "column sufficient, so SOL(q, A) is convex for every q")
-    e0f = A.verdict("E0f")
+    e0f = A.decided("E0f")
     witness: IsolatedSolution | Disconnected
     if not e0f:
         witness = _isolated(A, origin(e0f))

@@ -110,7 +110,7 @@ def is_z(A: Subject) -> Finding:
 @predicate("K0", "K0-matrix")
 def is_k0(A: Subject) -> Finding:
     """Z and P0. A nonsingular one is an M-matrix, with the certificate v > 0, Av > 0: O(n^3); otherwise as P0."""
-    z = A.verdict("Z")
+    z = A.decided("Z")
     if not z:
         return Finding(False, lambda: z.reason, z.witness)
     v = solve(A.rows, [1] * A.n)

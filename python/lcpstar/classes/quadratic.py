@@ -78,9 +78,9 @@ def is_copositive_plus(A: Subject) -> Finding:
     On the support of a zero the block of A + A' is PSD, so a zero is a sum of support-minimal ones, each the null
     vector of a block of nullity one. 2^n eliminations.
     """
-    c0 = A.verdict("C0")
+    c0 = A.decided("C0")
     if not c0:
-        return Finding(c0.holds, lambda: c0.reason, c0.witness)
+        return Finding(False, lambda: c0.reason, c0.witness)
     rows = A.rows
     for zero in A.ask("form_zeros"):
         witness = FormZero(tuple(zero))
@@ -92,9 +92,9 @@ def is_copositive_plus(A: Subject) -> Finding:
 @predicate("C0*", "copositive star", limit=30)
 def is_copositive_star(A: Subject) -> Finding:
     """C0, and x'Ax = 0, Ax >= 0, x >= 0 imply A'x <= 0. The second is linear on the pieces of SOL(0, A): rays do."""
-    c0 = A.verdict("C0")
+    c0 = A.decided("C0")
     if not c0:
-        return Finding(c0.holds, lambda: c0.reason, c0.witness)
+        return Finding(False, lambda: c0.reason, c0.witness)
     return star(A, "copositive")
 
 
@@ -145,8 +145,8 @@ def is_fully_copositive(A: Subject) -> Finding:
 def every_transform(A: Subject, symbol: str) -> Finding:
     """Every legitimate principal pivot transform is in the class."""
     for alpha, M in A.transforms():
-        if not M.verdict(symbol):
-            return _in_transform(alpha, A.transform(alpha, M).verdict(symbol))
+        if not M.decided(symbol):
+            return _in_transform(alpha, A.transform(alpha, M).decided(symbol))
     return Finding(True, f"all {len(A.transforms())} legitimate PPTs are in {symbol}")
 
 
@@ -175,7 +175,7 @@ def exact_order(A: Subject, k: int) -> Finding:
         size = len(alpha)
         if size > A.n - k + 1:
             break
-        verdict = A.principal(alpha).verdict("C0")
+        verdict = A.principal(alpha).decided("C0")
         if size <= A.n - k and not verdict:
             return in_submatrix(A, alpha, verdict)
         if size == A.n - k + 1 and verdict:
@@ -209,12 +209,12 @@ def _fully_exact(A: Subject, k: int, other: str) -> Finding:
     symbol = "almost-C0" if k == 1 else f"C0({k})"
     exact, neither = False, []
     for alpha, M in A.transforms():
-        if M.verdict(symbol):
+        if M.decided(symbol):
             exact = True
             continue
-        first = A.transform(alpha, M).verdict(symbol)
-        if not M.verdict(other):
-            second = A.transform(alpha, M).verdict(other)
+        first = A.transform(alpha, M).decided(symbol)
+        if not M.decided(other):
+            second = A.transform(alpha, M).decided(other)
             both = All((first.witness, second.witness))
             return Finding(
                 False,

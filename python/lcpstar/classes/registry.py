@@ -9,9 +9,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Protocol
 
-from ..errors import OptionError, TooLargeError, UnknownNameError
+from ..coerce import as_seconds, as_text
+from ..errors import TooLargeError, UnknownNameError
 from .exact import read_matrix
-from .subject import Subject
+from .subject import Subject, UndecidedError
 from .verdict import Cost, Finding, Verdict
 
 Predicate = Callable[[Subject], Finding]
@@ -115,7 +116,7 @@ def predicate(symbol: str, name: str, limit: int | None = 40) -> Callable[[Predi
 
 def find_class(symbol: str) -> MatrixClass:
     """The class of a symbol or of another spelling of it; `C0(k)` and `C0f(k)` for every k >= 0."""
-    symbol = ALIASES.get(symbol, symbol)
+    symbol = ALIASES.get(as_text("class", symbol), symbol)
     if symbol in CLASSES:
         return CLASSES[symbol]
     match = _EXACT_ORDER.fullmatch(symbol.replace(" ", ""))
@@ -139,6 +140,9 @@ def evaluate(subject: Subject, symbol: str) -> Verdict:
         done, total = (*stopped.args, 0, 0)[:2]
         how_far = f" after {done} of {total} index sets of the last search" if total else ""
         finding = Finding(None, f"the time limit passed{how_far}")
+    except UndecidedError as left_open:
+        reason, inner = left_open.args
+        finding, done, total = Finding(None, reason), inner.done, inner.total
     cost = Cost(time.perf_counter() - start, done, total)
     return Verdict(
         finding.holds,
@@ -154,10 +158,9 @@ def evaluate(subject: Subject, symbol: str) -> Verdict:
 
 def make_subject(A: Any, time_limit: float | None) -> Subject:
     """Reads A and starts the clock."""
-    if time_limit is not None and not time_limit >= 0:
-        raise OptionError(f"time_limit must be nonnegative, got {time_limit}")
+    limit = as_seconds("time_limit", time_limit)
     rows = read_matrix(A)
-    return Subject(rows, None if time_limit is None else time.monotonic() + time_limit)
+    return Subject(rows, None if limit is None else time.monotonic() + limit)
 
 
 def check(A: Any, symbol: str, *, time_limit: float | None = None) -> Verdict:

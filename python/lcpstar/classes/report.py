@@ -7,9 +7,11 @@ import sys
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import partial
+from types import NoneType
 from typing import Any
 
-from ..errors import InternalError, OptionError
+from ..coerce import as_count
+from ..errors import InternalError, OptionTypeError
 from .guarantees import guarantees
 from .inclusions import INCLUSIONS, conclude
 from .registry import CLASSES, find_class, make_subject
@@ -125,19 +127,20 @@ def classify(
     >>> report["tE0s"].holds, report["C0*"].holds, str(report["C0*"].witness.x)
     (True, False, '(1, 0, 1)')
     """
-    if threads is not None and threads < 1:
-        raise OptionError(f"threads must be at least 1, got {threads}")
+    workers = 1 if threads is None else as_count("threads", threads, least=1)
     start = time.perf_counter()
+    if isinstance(classes, str) or not isinstance(classes, (Iterable, NoneType)):
+        raise OptionTypeError(f"classes must be symbols in a list, got {classes!r}")
     wanted = [find_class(s).symbol for s in classes] if classes is not None else list(CLASSES)
     subject = make_subject(A, time_limit)
     place = {s: i for i, s in enumerate(_ORDER)}
     todo = sorted(wanted, key=lambda s: place.get(s, len(_ORDER)))
-    if threads is None or threads == 1:
+    if workers == 1:
         for done, symbol in enumerate(todo):
             _report(progress, done, len(todo), symbol)
             _decide(subject, symbol)
     else:
-        _decide_together(subject, todo, threads, progress)
+        _decide_together(subject, todo, workers, progress)
     _report(progress, len(todo), len(todo), "")
     _close(subject, wanted)
     return Classification({s: subject.verdicts[s] for s in wanted}, subject.n, time.perf_counter() - start)

@@ -160,6 +160,7 @@ def solution_set(A: Any, q: Any, *, time_limit: float | None = None) -> Solution
         points = tuple(tuple(Fraction(v, t) * factor for v in z) for z, t in vertices)
         faces.append(Face(tuple(i for i in range(subject.n) if mask >> i & 1), points, tuple(map(tuple, rays))))
     components = subject.ask("components", whole)[2]
+    subject.deadline = None  # the time limit is that of the set; `local` is asked later
     return SolutionSet(tuple(faces), components, vector, subject)
 
 

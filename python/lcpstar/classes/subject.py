@@ -16,6 +16,10 @@ if TYPE_CHECKING:
     from .verdict import Verdict
 
 
+class UndecidedError(Exception):
+    """An answer rests on a class that the budget left open; carries the reason and how far the search got."""
+
+
 class Subject:
     """A square rational matrix with memory: kernels and verdicts are computed once.
 
@@ -78,6 +82,13 @@ class Subject:
 
             self.verdicts[symbol] = evaluate(self, symbol)
         return self.verdicts[symbol]
+
+    def decided(self, symbol: str) -> Verdict:
+        """As `verdict`, but one that is True or False; `UndecidedError` when the budget does not reach that far."""
+        verdict = self.verdict(symbol)
+        if verdict.holds is None:
+            raise UndecidedError(f"{symbol} is open: {verdict.reason}", verdict.cost)
+        return verdict
 
     def principal(self, alpha: IndexSet) -> Subject:
         """A[alpha, alpha] as a subject."""
