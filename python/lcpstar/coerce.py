@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .errors import DTypeError, OptionError, OptionTypeError, ShapeError
+from .errors import DTypeError, NotFiniteError, OptionError, OptionTypeError, ShapeError
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
@@ -106,33 +106,43 @@ def _as_float64(name: str, value: ArrayLike) -> NDArray[np.float64]:
         array = np.asarray(value)
     except ValueError as error:
         raise ShapeError(f"{name} is ragged: {error}") from error
-    if array.dtype.kind not in "fiub":
+    if array.dtype.kind not in "fiubO" or (array.dtype.kind == "O" and not _holds_numbers(array)):
         raise DTypeError(_not_real(name, array))
-    if array.dtype == np.float64:
-        return np.ascontiguousarray(array) if not array.dtype.isnative else array
-    with np.errstate(over="ignore"):  # a long double beyond the range of doubles becomes inf, which the core reports
-        converted = array.astype(np.float64)
-    if array.dtype.kind in "iu" and array.dtype.itemsize == 8:
-        _check_integers_survive(name, array, converted)
-    return converted
+    try:
+        with np.errstate(
+            over="ignore"
+        ):  # a long double beyond the range of doubles becomes inf, which the core reports
+            converted = np.ascontiguousarray(array, dtype=np.float64)
+    except OverflowError:  # an int
+        raise NotFiniteError(f"{name} must hold doubles, got an integer beyond their range") from None
+    if array.dtype.kind != "f" or not isinstance(value, np.ndarray):
+        check_integers(name, value, converted)
+    return converted.reshape(array.shape)
 
 
-def _check_integers_survive(name: str, array: NDArray[Any], converted: NDArray[np.float64]) -> None:
-    """64-bit integers above 2^53 may not be doubles: better said than silently changed."""
+def _holds_numbers(array: NDArray[Any]) -> bool:
+    return all(isinstance(x, (int, float)) and not isinstance(x, bool) for x in array.flat)
+
+
+def check_integers(name: str, given: Any, converted: NDArray[np.float64]) -> None:
+    """Integers above 2^53 may not be doubles: better said than silently changed."""
     large = np.argwhere(np.abs(converted) >= 2.0**53)
+    if not len(large):
+        return
+    exact = np.asarray(given, dtype=None if isinstance(given, np.ndarray) else object)
     for position in large:
         index = tuple(int(i) for i in position)
-        if int(array[index]) != int(converted[index]):
-            entry = f"{_entry(name, index)} = {int(array[index])}"
-            raise DTypeError(f"{name} must hold doubles, got {entry}, which is none")
+        x = exact[index]
+        if isinstance(x, (int, np.integer)) and int(x) != int(converted[index]):
+            raise DTypeError(f"{name} must hold doubles, got {_entry(name, index)} = {int(x)}, which is none")
 
 
 def _not_real(name: str, array: NDArray[Any]) -> str:
     for index in np.ndindex(array.shape):
-        if array.dtype.kind != "O" or not isinstance(array[index], (int, float)):
+        if array.dtype.kind != "O" or isinstance(array[index], bool) or not isinstance(array[index], (int, float)):
             return f"{name} must hold real numbers, got dtype {array.dtype}: {_entry(name, index)} = {array[index]!r}"
     return f"{name} must hold real numbers, got dtype {array.dtype}"
 
 
 def _entry(name: str, index: tuple[int, ...]) -> str:
-    return f"{name}[{', '.join(map(str, index))}]"
+    return f"{name}[{', '.join(map(str, index))}]" if index else name
