@@ -2,6 +2,7 @@
 
 import argparse
 import json
+from fractions import Fraction
 
 import pytest
 
@@ -126,11 +127,73 @@ def test_claims_that_cannot_be_read(claim, text):
 
 
 @pytest.mark.parametrize(
-    "options", [{"n": 0}, {"n": 9}, {"entries": []}, {"samples": 0}, {"threads": 0}, {"resume": {}}]
+    ("options", "text"),
+    [
+        ({"n": 0}, "n must be at least 1, got 0"),
+        ({"n": 9}, "n must be at most 8, got 9"),
+        ({"n": "two"}, "n must be an integer, got 't'"),
+        ({"n": []}, "n and entries must not be empty"),
+        ({"entries": []}, "n and entries must not be empty"),
+        ({"entries": ["1/2", 0]}, r"entries must be integers, got entries\[0\] = 1/2"),
+        ({"entries": [0, Fraction(1, 3)]}, r"entries\[1\] = 1/3"),
+        ({"entries": [0, 0.5]}, r"entries\[1\] = 0.5"),
+        ({"entries": ["x"]}, r"entries\[0\] must be a number"),
+        ({"entries": [True]}, r"entries must be integers, got entries\[0\] = True"),
+        ({"entries": [None]}, r"entries\[0\] must be a real number"),
+        ({"entries": [2**40]}, r"entries must be at most 2\^31"),
+        ({"entries": 3}, "entries must be integers in a list"),
+        ({"entries": "12"}, "entries must be integers in a list"),
+        ({"samples": 0}, "samples must be at least 1"),
+        ({"samples": 1.5}, "samples must be an integer"),
+        ({"seed": -1}, "seed must be nonnegative"),
+        ({"seed": 2**64}, "seed must be at most"),
+        ({"threads": 0}, "threads must be at least 1"),
+        ({"threads": "two"}, "threads must be an integer"),
+        ({"time_limit": "1"}, "time_limit must be a real number"),
+        ({"time_limit": float("nan")}, "time_limit must be a number"),
+        ({"stop_at_first": 1}, "stop_at_first must be True or False"),
+        ({"resume": {}}, "resume must be a state"),
+        ({"resume": "x"}, "resume must be a state"),
+    ],
 )
-def test_bad_options(options):
-    with pytest.raises((errors.OptionError, errors.OptionTypeError)):
+def test_bad_options_are_named(options, text):
+    with pytest.raises(errors.LCPError, match=text) as caught:
         explore("P => P0", **options)
+    assert isinstance(caught.value, (TypeError, ValueError))
+
+
+def test_whole_numbers_are_entries_however_they_are_written():
+    whole = explore("P => P0", n=2, entries=[1, 0])
+    for entries in (["1", "0/3"], [Fraction(1), 0], [1.0, 0.0]):
+        found = explore("P => P0", n=2, entries=entries)
+        assert (found.entries, found.satisfied) == (whole.entries, whole.satisfied)
+
+
+def test_a_hypothesis_that_no_matrix_meets_is_not_evidence(capsys):
+    found = explore("P & N => Q", n=2)
+    assert found.complete
+    assert found.satisfied == 0
+    assert found.outcome == "no matrix satisfied the hypothesis"
+    assert "no counterexample" not in str(found)
+    assert "no matrix satisfied the hypothesis" in str(found)
+    parser = argparse.ArgumentParser()
+    add_explore_parser(parser.add_subparsers())
+    args = parser.parse_args(["explore", "P & N => Q", "-n", "2", "--json"])
+    assert args.run(args) == 1
+    printed = json.loads(capsys.readouterr().out)
+    assert printed["outcome"] == found.outcome
+    assert explore("P & N => Q", resume=printed).satisfied == 0
+    assert explore("P => P0", n=2, entries=[0, 1]).outcome == "no counterexample"
+    assert explore("P0 => P", n=2, entries=[0, 1]).outcome == "counterexample"
+
+
+@pytest.mark.parametrize(
+    "damage", [{"n": [9]}, {"seed": "x"}, {"position": [0]}, {"position": [7, 0]}, {"scanned": -1}, {"entries": [[]]}]
+)
+def test_a_damaged_state_is_refused(damage):
+    state = explore("P => P0", n=2, entries=[0, 1], time_limit=0).state()
+    with pytest.raises(errors.OptionError, match="resume must be a state of an exploration"):
+        explore("P => P0", resume={**state, **damage})
 
 
 def test_command_line(tmp_path, capsys):

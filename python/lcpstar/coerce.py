@@ -19,6 +19,8 @@ _FLOAT64 = np.dtype(np.float64)
 
 #: Largest count that the core takes, and a time limit [s] beyond which there is none.
 _LARGEST, _FOREVER = 2**63 - 1, 1e9
+#: Largest seed, and more threads than anybody has.
+MAX_SEED, MAX_THREADS = 2**64 - 1, 1024
 
 
 def as_number(name: str, value: Any) -> float:
@@ -31,14 +33,16 @@ def as_number(name: str, value: Any) -> float:
     return number
 
 
-def as_count(name: str, value: Any, least: int = 0) -> int:
-    """An integer that is at least `least`; one beyond 2^63 is no limit, so it becomes the largest the core takes."""
+def as_count(name: str, value: Any, least: int = 0, largest: int | None = None) -> int:
+    """An integer in `least..=largest`. Without `largest` one beyond 2^63 is no limit: the largest the core takes."""
     if isinstance(value, (bool, np.bool_)) or not hasattr(value, "__index__") or np.ndim(value):
         raise OptionTypeError(f"{name} must be an integer, got {_shown(value)}")
     count = operator.index(value)
     if count < least:
         rule = {0: "nonnegative", 1: "at least 1"}.get(least, f"at least {least}")
         raise OptionError(f"{name} must be {rule}, got {count}")
+    if largest is not None and count > largest:
+        raise OptionError(f"{name} must be at most {largest}, got {count}")
     return min(count, _LARGEST)
 
 

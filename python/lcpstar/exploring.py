@@ -9,13 +9,14 @@ import pathlib
 import sys
 import time
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from . import _core
-from .classes.exact import Rows, read_matrix
+from .classes.exact import Rows, read_matrix, read_number
 from .classes.registry import check
 from .classes.verdict import Verdict
+from .coerce import MAX_SEED, MAX_THREADS, as_count, as_flag, as_seconds, as_text
 from .errors import OptionError, OptionTypeError
 from .files import read_json
 from .formula import is_invariant, parse_claim, symbols
@@ -33,7 +34,8 @@ class Exploration:
 
     `scanned` matrices were looked at (one per class under permutation similarity in an exhaustive scan), `satisfied`
     of them meet the hypothesis, `failures` of these miss the conclusion. `counterexample` is the one with the least
-    sum of absolute entries, exact, or None. `complete` is False when time ran out: `explore(..., resume=this)` goes on.
+    sum of absolute entries, exact, or None. `outcome` tells a claim without counterexample from one whose hypothesis no
+    matrix met. `complete` is False when time ran out: `explore(..., resume=this)` goes on.
     """
 
     claim: str
@@ -48,6 +50,15 @@ class Exploration:
     complete: bool
     seconds: float
     position: tuple[int, int] = field(repr=False, default=(0, 0))
+
+    @property
+    def outcome(self) -> str:
+        """What the scan says about the claim."""
+        if self.counterexample is not None:
+            return "counterexample"
+        if self.satisfied == 0 and self.scanned:
+            return "no matrix satisfied the hypothesis"
+        return "no counterexample"
 
     @property
     def verdicts(self) -> dict[str, Verdict]:
@@ -75,7 +86,7 @@ class Exploration:
             f"hypothesis {self.satisfied} satisfy it, {self.failures} of them miss the conclusion",
         ]
         if self.counterexample is None:
-            lines.append("verdict    no counterexample")
+            lines.append(f"verdict    {self.outcome}")
         else:
             lines.append("verdict    false: " + str([[int(x) for x in row] for row in self.counterexample]))
             lines += [f"           {verdict}" for verdict in self.verdicts.values()]
@@ -131,8 +142,8 @@ def explore(
 
     Raises
     ------
-    OptionError
-        The claim cannot be read, or an option is out of range.
+    OptionError, OptionTypeError
+        The claim cannot be read, an entry is no integer, or an option is out of range or of the wrong type.
 
     Notes
     -----
@@ -148,12 +159,13 @@ def explore(
     start = time.perf_counter()
     done = _begin(claim, n, entries, samples, seed, resume)
     hypothesis, conclusion = parse_claim(done.claim)
-    workers = threads if threads is not None else os.cpu_count() or 1
-    if workers < 1:
-        raise OptionError(f"threads must be at least 1, got {threads}")
+    workers = min(as_count("threads", os.cpu_count() or 1 if threads is None else threads, least=1), MAX_THREADS)
+    limit = as_seconds("time_limit", time_limit)
+    up_to_permutation = as_flag("up_to_permutation", up_to_permutation)
+    stop_at_first = as_flag("stop_at_first", stop_at_first)
     chunk = 256
     while not done.complete:
-        left = None if time_limit is None else time_limit - (time.perf_counter() - start)
+        left = None if limit is None else limit - (time.perf_counter() - start)
         if left is not None and left <= 0:
             break
         order, position = done.position
@@ -192,23 +204,43 @@ def _begin(
     if resume is not None:
         try:
             state = dict(resume)
-            for name in ("n", "entries", "position"):
-                state[name] = tuple(state[name])
+            state.pop("outcome", None)
+            done = _space(*(state.pop(name) for name in ("claim", "n", "entries", "samples", "seed")))
             if state["counterexample"] is not None:
                 state["counterexample"] = read_matrix(state["counterexample"])
-            return Exploration(**state)
+            for name in ("scanned", "satisfied", "failures"):
+                as_count(name, state[name])
+            order, position = state["position"]
+            state["position"] = as_count("position", order, largest=len(done.n)), as_count("position", position)
+            state["complete"] = as_flag("complete", state["complete"]) or order == len(done.n)
+            return replace(done, **state)
         except (KeyError, TypeError, ValueError) as error:
             raise OptionError(f"resume must be a state of an exploration: {error}") from None
-    orders = (n,) if isinstance(n, int) else tuple(n)
-    values = tuple(sorted(set(entries), key=lambda v: (abs(v), v < 0)))
-    if not orders or any(not isinstance(order, int) or not 1 <= order <= 8 for order in orders):
-        raise OptionError(f"n must be in 1..8, got {n}")
-    if not values or any(isinstance(v, bool) or not isinstance(v, int) or abs(v) > 2**31 for v in values):
-        raise OptionTypeError(f"entries must be integers, got {values}")
-    if samples is not None and samples < 1:
-        raise OptionError(f"samples must be at least 1, got {samples}")
-    parse_claim(claim)
-    return Exploration(claim, orders, values, samples, seed, 0, 0, 0, None, False, 0.0)
+    return _space(claim, n, entries, samples, seed)
+
+
+def _space(claim: str, n: Any, entries: Any, samples: int | None, seed: int) -> Exploration:
+    """What is to be scanned, nothing of which is done."""
+    parse_claim(as_text("claim", claim))
+    orders = tuple(as_count("n", order, least=1, largest=8) for order in (n if isinstance(n, Iterable) else (n,)))
+    if isinstance(entries, str) or not isinstance(entries, Iterable):
+        raise OptionTypeError(f"entries must be integers in a list, got {entries!r}")
+    values = sorted({_entry(v, f"entries[{k}]") for k, v in enumerate(entries)}, key=lambda v: (abs(v), v < 0))
+    if not orders or not values:
+        raise OptionError(f"n and entries must not be empty, got n = {orders}, entries = {values}")
+    count = None if samples is None else as_count("samples", samples, least=1)
+    return Exploration(
+        claim, orders, tuple(values), count, as_count("seed", seed, largest=MAX_SEED), 0, 0, 0, None, False, 0.0
+    )
+
+
+def _entry(value: Any, name: str) -> int:
+    number = read_number(value, name)
+    if number.denominator != 1 or isinstance(value, bool):
+        raise OptionTypeError(f"entries must be integers, got {name} = {value}")
+    if abs(number) > 2**31:
+        raise OptionError(f"entries must be at most 2^31, got {name} = {value}")
+    return int(number)
 
 
 def _total(done: Exploration, order: int) -> int:
@@ -276,7 +308,7 @@ def add_explore_parser(subparsers: Any) -> argparse.ArgumentParser:
 
 
 def run_explore(args: argparse.Namespace) -> int:
-    """Exit status 0: no counterexample in a finished scan; 1: a counterexample, or not finished."""
+    """Exit status 0: no counterexample in a finished scan; 1: one, nothing that meets the hypothesis, not finished."""
     resume = read_json(args.state) if args.state and args.state.exists() else None
     found = explore(
         args.claim,
@@ -287,10 +319,10 @@ def run_explore(args: argparse.Namespace) -> int:
         stop_at_first=args.first,
         threads=args.threads,
         time_limit=args.time_limit,
-        progress=sys.stderr.isatty() and not args.json,
+        progress=sys.stderr is not None and sys.stderr.isatty() and not args.json,
         resume=resume,
     )
     if args.state:
         args.state.write_text(json.dumps(found.state()))
-    print(json.dumps(found.state()) if args.json else found)
-    return 0 if found.complete and found.counterexample is None else 1
+    print(json.dumps({**found.state(), "outcome": found.outcome}) if args.json else found)
+    return 0 if found.complete and found.outcome == "no counterexample" else 1

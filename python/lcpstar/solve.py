@@ -10,8 +10,8 @@ from numpy.typing import ArrayLike
 
 from . import _core
 from ._core import Solution
-from .coerce import Matrix, Vector, as_matrix, as_vector
-from .errors import OptionError, OptionTypeError
+from .coerce import Matrix, Vector, as_count, as_matrix, as_text, as_vector
+from .errors import OptionTypeError
 from .options import OPTIONS, InteriorPointOptions, MethodOptions
 from .sparse import is_sparse, solve_sparse
 
@@ -81,8 +81,10 @@ def solve(
     sparse = type(A) is not ndarray and is_sparse(A)
     if sparse and method == "auto" and isinstance(options, InteriorPointOptions):
         method = "interior_point"
-    if options is not None or max_iterations is not None:
-        _check(method, max_iterations, options)
+    if options is not None:
+        _check_options(method, options)
+    if max_iterations is not None:
+        max_iterations = as_count("max_iterations", max_iterations)
     if sparse:
         return solve_sparse(A, q, method, tol, max_iterations, time_limit, z0, certify, options)
     start = None if z0 is None else as_vector("z0", z0)
@@ -96,11 +98,9 @@ def solve(
     return solution
 
 
-def _check(method: str, max_iterations: int | None, options: MethodOptions | None) -> None:
-    if max_iterations is not None and max_iterations < 0:
-        raise OptionError(f"max_iterations must be nonnegative, got {max_iterations}")
-    expected = OPTIONS.get(method)
-    if options is not None and (expected is None or not isinstance(options, expected)):
+def _check_options(method: str, options: MethodOptions) -> None:
+    expected = OPTIONS.get(as_text("method", method))
+    if expected is None or not isinstance(options, expected):
         takes = "no options" if expected is None else f"options of class {expected.__name__}"
         raise OptionTypeError(f"method {method!r} takes {takes}, got {type(options).__name__}")
 

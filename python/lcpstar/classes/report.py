@@ -10,7 +10,7 @@ from functools import partial
 from types import NoneType
 from typing import Any
 
-from ..coerce import as_count
+from ..coerce import MAX_THREADS, as_count
 from ..errors import InternalError, OptionTypeError
 from .guarantees import guarantees
 from .inclusions import INCLUSIONS, conclude
@@ -127,7 +127,7 @@ def classify(
     >>> report["tE0s"].holds, report["C0*"].holds, str(report["C0*"].witness.x)
     (True, False, '(1, 0, 1)')
     """
-    workers = 1 if threads is None else as_count("threads", threads, least=1)
+    workers = 1 if threads is None else min(as_count("threads", threads, least=1), MAX_THREADS)
     start = time.perf_counter()
     if isinstance(classes, str) or not isinstance(classes, (Iterable, NoneType)):
         raise OptionTypeError(f"classes must be symbols in a list, got {classes!r}")
