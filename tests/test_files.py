@@ -6,6 +6,7 @@ import contextlib
 import io
 import json
 import os
+import re
 import resource
 import struct
 import tracemalloc
@@ -15,6 +16,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import scipy.sparse as sp
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
@@ -136,7 +138,21 @@ TEXTS = {
     "empty.mtx": "",
     "header_only.mtx": COORDINATE,
     "complex.mtx": COORDINATE.replace("real", "complex") + "1 1 1\n1 1 1 1\n",
+    "index_underscore.mtx": COORDINATE + "2 2 1\n1_0 1 1\n",
+    "value_underscore.mtx": COORDINATE + "1 1 1\n1 1 1_0\n",
     "ragged.csv": "1,2\n3\n",
+    "underscore.csv": "1_0\n",
+    "other_digits.csv": "\u0663\n",
+    "blank_cell.csv": "1,,2\n1,2,3\n1,2,3\n",
+    "trailing_comma.csv": "1,2,\n3,4,\n",
+    "two_separators.csv": "1,5;2,5\n1,5;2,5\n",
+    "blank_line.csv": "1,2\n\n3,4\n",
+    "blank_tab.csv": "1\t\t2\n",
+    "empty.csv": "",
+    "blank.csv": "\n \n",
+    "true.json": '{"A": [[true]], "q": [1]}',
+    "false_among_numbers.json": '{"A": [[1.5, false], [0, 1]], "q": [1, 2]}',
+    "trailing.json": '{"A": [[1]], "q": [1]} x',
     "words.csv": "a,b\nc,d\n",
     "inf.csv": "inf\n",
     "nul.csv": "1\0,2\n",
@@ -168,6 +184,74 @@ def test_hostile_texts(tmp_path, capfd, name, command):
     q = tmp_path / "q.csv"
     q.write_text("-1\n1\n")
     one_line(capfd, [command, str(path), *([str(q)] if path.suffix != ".json" and command == "solve" else [])])
+
+
+@pytest.mark.parametrize(
+    ("text", "place"),
+    [
+        ("1,2\n3,,4\n", "line 2, column 2: blank"),
+        ("1;2\n3; \n", "line 2, column 2: blank"),
+        ("1\n\n2\n", "line 2, column 1: blank"),
+        ("1,2\n3,1_0\n", "line 2, column 2: '1_0' is no number"),
+        ("1 2\n3 x\n", "line 2, column 2: 'x' is no number"),
+        ("1\n9007199254740993\n", "line 2, column 1: '9007199254740993' is no double"),
+        ("1,2\n3\n", "line 2 has 1 numbers, line 1 has 2"),
+        ("1,2;3\n", "line 1 has both ',' and ';'"),
+    ],
+)
+def test_a_csv_error_names_line_and_column(tmp_path, text, place):
+    (tmp_path / "p.csv").write_text(text)
+    with pytest.raises(errors.FileFormatError, match=re.escape(f"p.csv: {place}")):
+        read_problem(tmp_path / "p.csv")
+
+
+def test_a_vector_is_one_row_or_one_column(tmp_path):
+    (tmp_path / "A.csv").write_text("1,0,0,0\n0,1,0,0\n0,0,1,0\n0,0,0,1\n")
+    for text in ("1,2,3,4\n", "1\n2\n3\n4\n\n", "\ufeff1 2 3 4"):
+        (tmp_path / "q.csv").write_text(text, encoding="utf-8")
+        assert read_problem(tmp_path / "A.csv", tmp_path / "q.csv")[1].tolist() == [1, 2, 3, 4]
+    (tmp_path / "q.csv").write_text("1,2\n3,4\n")
+    with pytest.raises(errors.FileFormatError, match=r"q must be one row or one column, got shape \(2, 2\)"):
+        read_problem(tmp_path / "A.csv", tmp_path / "q.csv")
+    (tmp_path / "q.mtx").write_text(ARRAY + "4 1\n1\n2\n3\n4\n")
+    assert read_problem(tmp_path / "A.csv", tmp_path / "q.mtx")[1].tolist() == [1, 2, 3, 4]
+
+
+def chain(n):
+    """Second differences: positive definite, three entries a row."""
+    return sp.diags_array([-np.ones(n - 1), np.full(n, 2.01), -np.ones(n - 1)], offsets=[-1, 0, 1])
+
+
+@pytest.mark.parametrize("kind", ["mtx", "csr", "csc", "coo", "bsr", "dia"])
+@pytest.mark.parametrize("n", [4, 10_000])
+def test_sparse_files_stay_sparse_where_they_are_large(tmp_path, kind, n):
+    path = tmp_path / ("A.mtx" if kind == "mtx" else "A.npz")
+    if kind == "mtx":
+        i, j = (k + 1 for k in chain(n).tocoo().coords)
+        values = chain(n).tocoo().data
+        lines = [f"{a} {b} {x}\n" for a, b, x in zip(i, j, values, strict=True)]
+        path.write_text(COORDINATE + f"{n} {n} {len(lines)}\n" + "".join(lines))
+    else:
+        sp.save_npz(path, chain(n).asformat(kind))
+    (tmp_path / "q.csv").write_text("-1\n1\n" * (n // 2))
+    A, q = read_problem(path, tmp_path / "q.csv")
+    assert sp.issparse(A) == (n > 500)
+    assert abs(chain(n).tocsr() - A).max() == 0
+    solution = solve(A, q)
+    assert np.abs(np.minimum(solution.z, chain(n) @ solution.z + q)).max() < 1e-9
+
+
+def test_a_malformed_sparse_archive_is_refused(tmp_path, capfd):
+    A = sp.csr_array(np.eye(600))
+    for name, change in (("indices", 600), ("indptr", 10**6), ("shape", -1)):
+        arrays = {"format": b"csr", "shape": A.shape, "data": A.data, "indices": A.indices, "indptr": A.indptr}
+        arrays[name] = np.array(arrays[name])
+        arrays[name][1] = change
+        np.savez(tmp_path / "A.npz", **arrays)
+        (tmp_path / "q.csv").write_text("1\n" * 600)
+        one_line(capfd, ["solve", str(tmp_path / "A.npz"), str(tmp_path / "q.csv")])
+    np.savez(tmp_path / "A.npz", format=b"xyz", shape=(1, 1))
+    one_line(capfd, ["solve", str(tmp_path / "A.npz")])
 
 
 def test_names_cannot_forge_lines(tmp_path, capfd):

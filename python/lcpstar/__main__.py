@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
+import io
 import json
+import os
 import sys
-from typing import Any
+from typing import Any, TextIO
 
 from . import __version__
 from ._core import METHODS
@@ -19,7 +22,20 @@ from .solve import solve
 
 
 def main(argv: list[str] | None = None) -> int:
-    """Run the command line; returns the exit status."""
+    """Run the command line; returns the exit status. Output that nobody takes is status 2, as bad input is."""
+    try:
+        if sys.stdout is None:
+            raise OSError("standard output is closed")
+        try:
+            return _run(argv)
+        finally:
+            sys.stdout.flush()
+    except OSError as error:
+        _abandon(sys.stdout)
+        return _refuse(str(error))
+
+
+def _run(argv: list[str] | None) -> int:
     parser = argparse.ArgumentParser(prog="lcpstar", description=__doc__)
     parser.add_argument("--version", action="version", version=f"lcpstar {__version__}")
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
@@ -30,15 +46,37 @@ def main(argv: list[str] | None = None) -> int:
     add_plot_parser(commands)
     paper = commands.add_parser("paper", help="recompute the paper: its example, Table 1, and every claim")
     paper.set_defaults(run=_paper)
-    arguments = parser.parse_args(argv)
+    help_text = io.StringIO()  # argparse itself would say nothing about a full disk
+    try:
+        with contextlib.redirect_stdout(help_text):
+            arguments = parser.parse_args(argv)
+    finally:
+        sys.stdout.write(help_text.getvalue())
     try:
         return int(arguments.run(arguments))
     except LCPError as error:
-        print(f"lcpstar: {_one_line(str(error))}", file=sys.stderr)
-        return 2
+        return _refuse(str(error))
+    except MemoryError as error:
+        return _refuse(f"not enough memory: {error}")
     except KeyboardInterrupt:
-        print("lcpstar: interrupted", file=sys.stderr)
-        return 130
+        return _refuse("interrupted", status=130)
+
+
+def _refuse(reason: str, status: int = 2) -> int:
+    """Says why in one line, where somebody can read it."""
+    if sys.stderr is not None:
+        try:
+            print(f"lcpstar: {_one_line(reason)}", file=sys.stderr, flush=True)
+        except OSError:
+            _abandon(sys.stderr)
+    return status
+
+
+def _abandon(stream: TextIO | None) -> None:
+    """What a full disk or a closed pipe did not take would be tried again, and reported, when Python ends."""
+    if stream is not None:
+        with contextlib.suppress(OSError, ValueError), open(os.devnull, "w") as nowhere:
+            os.dup2(nowhere.fileno(), stream.fileno())
 
 
 def _one_line(text: str, longest: int = 400) -> str:
@@ -49,7 +87,9 @@ def _one_line(text: str, longest: int = 400) -> str:
 
 def _add_solve(commands: Any) -> None:
     parser = commands.add_parser("solve", help="solve the LCP in FILE", description="Solve the LCP in FILE.")
-    parser.add_argument("file", metavar="FILE", help=".json or .npz with A and q, or .mtx/.csv with the matrix")
+    parser.add_argument(
+        "file", metavar="FILE", help=".json or .npz with A and q, or .mtx/.csv/save_npz with the matrix"
+    )
     parser.add_argument("q", metavar="Q", nargs="?", help=".csv with q, when FILE holds the matrix alone")
     parser.add_argument("--method", default="auto", help=f"one of {', '.join(METHODS)} (default: auto)")
     parser.add_argument("--tol", type=float, default=1e-9, help="bound on the residual of a solved problem")

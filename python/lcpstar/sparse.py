@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import _core
 from ._core import Solution
+from ._core import solve_sparse as solve_rows
 from .coerce import Vector, as_vector, check_integers
 from .errors import DTypeError, IndexSetError, ShapeError
 from .options import MethodOptions
@@ -31,9 +31,9 @@ def as_rows(A: Any, q: ArrayLike) -> Rows:
     if A.dtype.kind not in "biuf":
         raise DTypeError(f"A must hold real numbers, got dtype {A.dtype}")
     n = A.shape[0]
-    _check_arrays(A, n)
+    check_arrays(A, n)
     rows = A.tocsr(copy=True)
-    _check_arrays(rows, n)
+    check_arrays(rows, n)
     rows.sum_duplicates()
     values = rows.data.astype(np.float64)
     if rows.data.dtype.kind in "iu":
@@ -44,7 +44,7 @@ def as_rows(A: Any, q: ArrayLike) -> Rows:
     return rows.indptr.astype(np.int64), rows.indices.astype(np.int64), values, rhs
 
 
-def _check_arrays(A: Any, n: int) -> None:
+def check_arrays(A: Any, n: int) -> None:
     """The arrays that hold an (n, n) matrix in one of scipy's formats; lists and dictionaries are safe with scipy."""
     kind = getattr(A, "format", None)
     if kind in ("csr", "csc"):
@@ -122,4 +122,4 @@ def solve_sparse(
     `D A D`. `certify="exact"` works on a dense copy and raises TooLargeError for n > 2000.
     """
     guess = None if z0 is None else as_vector("z0", z0)
-    return _core.solve_sparse(*as_rows(A, q), method, tol, max_iterations, time_limit, guess, certify, options)
+    return solve_rows(*as_rows(A, q), method, tol, max_iterations, time_limit, guess, certify, options)

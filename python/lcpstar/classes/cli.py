@@ -37,7 +37,7 @@ def run_classify(args: argparse.Namespace) -> int:
         args.classes,
         time_limit=args.time_limit,
         threads=args.threads,
-        progress=sys.stderr.isatty() and not args.json,
+        progress=sys.stderr is not None and sys.stderr.isatty() and not args.json,
     )
     if args.json:
         verdicts = {

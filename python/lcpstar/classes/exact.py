@@ -51,6 +51,8 @@ def _read_text(value: str, where: str) -> Fraction:
     if len(text) > MAX_DIGITS or (exponent.lstrip("+-").isdigit() and abs(int(exponent)) > MAX_DIGITS):
         raise DTypeError(f"{where} must be a number of at most {MAX_DIGITS} digits, got {shown}")
     try:
+        if "_" in text or not text.isascii():  # Python takes 1_0 for 10, and digits of other scripts
+            raise ValueError
         return Fraction(text)
     except (ValueError, ZeroDivisionError):
         raise DTypeError(f"{where} must be a number such as '1/3', got {shown}") from None
