@@ -1,8 +1,10 @@
 """Verdicts: right on the sample, consistent with the proved inclusions, and every witness stands on its own."""
 
+import copy
 import json
 import os
 import pathlib
+import pickle
 import random
 import signal
 import subprocess
@@ -311,6 +313,19 @@ def test_classify_reports():
     assert set(lcpstar.classify([[1]], ["P", "C0*"])) == {"P", "C0*"}
     threaded = lcpstar.classify([[0, 1, 1], [2, 0, 2], [-2, -5, 0]], threads=2)
     assert {s: v.holds for s, v in threaded.items()} == {s: v.holds for s, v in report.items()}
+
+
+@pytest.mark.parametrize("A", [[[0, 1, 1], [2, 0, 2], [-2, -4, 0]], [[1, -1], [-1, 1]], np.eye(5), -np.eye(6)])
+def test_a_copy_of_a_classification_says_and_proves_the_same(A):
+    report = lcpstar.classify(A, time_limit=20)
+    for again in (copy.copy, copy.deepcopy, lambda r: pickle.loads(pickle.dumps(r))):
+        twin = again(report)
+        assert str(twin) == str(report)
+        assert (twin.n, twin.seconds, twin.guarantees) == (report.n, report.seconds, report.guarantees)
+        for symbol, verdict in report.items():
+            assert type(twin[symbol]) is classes.Verdict
+            assert twin[symbol].check() is verdict.check()
+            assert repr(twin[symbol].witness) == repr(verdict.witness)
 
 
 def test_game_values_prove_themselves():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copyreg
 import html
 import sys
 import time
@@ -81,6 +82,15 @@ class Classification(Mapping[str, Verdict]):
         items = "".join(f"<li>{html.escape(sentence)}</li>" for sentence in self.guarantees)
         head = "<tr><th>class</th><th>name</th><th>member</th><th style='text-align:left'>why</th></tr>"
         return f"<table>{head}{rows}</table><ul>{items}</ul>"
+
+
+def _reduce(verdict: Verdict) -> tuple[Any, ...]:
+    """Reason and certificate, which wait to be asked for, are worked out for a pickle or a copy."""
+    v = verdict
+    return Verdict, (v.holds, v.symbol, v.name, v.witness, v.cost, v.matrix, v.reason, v.certificate)
+
+
+copyreg.pickle(Verdict, _reduce)
 
 
 def classify(
