@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import copy
 import itertools
 import math
+import pickle
 import time
 from fractions import Fraction
 
@@ -240,3 +242,47 @@ def test_every_point_of_every_degenerate_piece_is_in_some_face():
                 else:
                     assert found.status == 2  # the piece is empty
     assert points > 60
+
+
+def test_the_two_doors_to_the_solution_set_list_the_same_maximal_faces():
+    rng = np.random.default_rng(5)
+    for _ in range(60):
+        n = int(rng.integers(1, 5))
+        A, q = rng.integers(-1, 2, (n, n)), rng.integers(-1, 2, n)
+        one, other = lcpstar.solutions(A, q, exact=True), lcpstar.solution_set(A, q)
+        one.sort(key=lambda face: sum(1 << i for i in face.alpha))
+        key = [(tuple(f.alpha), {tuple(v) for v in f.vertices}, {tuple(r) for r in f.rays}) for f in one]
+        largest = [tuple(tuple(Fraction(x, max(r)) for x in r) for r in f.rays) for f in other.faces]
+        assert [(f.alpha, set(f.vertices), set(r)) for f, r in zip(other.faces, largest, strict=True)] == key
+
+
+def test_the_solution_set_of_a_zero_matrix_is_one_face_at_every_order():
+    for n in (8, 12):
+        found = lcpstar.solution_set(np.zeros((n, n)), np.zeros(n))
+        assert (len(found.faces), found.components, found.convex, found.bounded) == (1, 1, True, False)
+        assert found.faces[0].alpha == tuple(range(n))
+
+
+def test_rationals_and_integers_that_are_no_doubles_have_the_faces_of_their_multiples():
+    """Row factors of 1/3 make doubles; 10^40 + 1 does not and takes the exact kernel, which must agree."""
+    plain = lcpstar.solution_set([[1, 1, 0], [1, 1, 0], [0, 0, 0]], [-1, -1, 0])
+    thirds = lcpstar.solution_set([["1/3", "1/3", 0], ["1/7", "1/7", 0], [0, 0, 0]], ["-1/3", "-1/7", 0])
+    b = 10**40 + 1
+    big = lcpstar.solution_set([[b, b + 1, 0], [b, b + 1, 0], [0, 0, 0]], [-b, -b, 0])
+    assert thirds.faces == plain.faces
+    assert [(f.alpha, len(f.vertices), f.rays) for f in big.faces] == [
+        (f.alpha, len(f.vertices), f.rays) for f in plain.faces
+    ]
+    assert (big.components, big.convex) == (plain.components, plain.convex)
+    assert set(big.faces[0].vertices) == {(0, Fraction(b, b + 1), 0), (1, 0, 0)}
+    for z in big.faces[0].vertices:
+        assert big.local(z).locally_unique is False
+
+
+def test_a_solution_set_can_be_copied():
+    found = lcpstar.solution_set([[-1]], [1])
+    found.local([1])
+    for twin in (copy.deepcopy(found), pickle.loads(pickle.dumps(found))):
+        assert twin.faces == found.faces
+        assert twin.components == 2
+        assert twin.local([0]).locally_unique

@@ -9,7 +9,7 @@ from fractions import Fraction
 import numpy as np
 from numpy.typing import ArrayLike
 
-from . import _core
+from ._core import solutions as find_faces
 from .coerce import Matrix, as_matrix, as_vector
 
 Points = Matrix | list[list[Fraction]]
@@ -78,7 +78,7 @@ def solutions(A: ArrayLike, q: ArrayLike, exact: bool = False, time_limit: float
     """
     matrix, vector = as_matrix("A", A), as_vector("q", q)
     n = len(vector)
-    faces = _core.solutions(matrix, vector, time_limit, exact)
+    faces = find_faces(matrix, vector, time_limit, exact)
     if exact:
         return [Face(alpha, _fractions(vertices), _fractions(rays)) for alpha, vertices, rays in faces]
     return [

@@ -1,21 +1,40 @@
-"""The whole of SOL(q, A): its faces, and what they say about boundedness, convexity, uniqueness and stability."""
+"""The whole of SOL(q, A): its maximal faces, and what they say of it: bounded, convex, connected, unique, stable."""
 
 from __future__ import annotations
 
+import math
+import time
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from fractions import Fraction
+from functools import cached_property
 from typing import Any
 
+import numpy as np
+
+from ..coerce import as_seconds
 from ..errors import OptionError
-from .exact import IndexSet, Rows, Vector, determinant, dot, pivot_transform, principal, read_vector, show, times
-from .registry import make_subject
+from ..solutions import solutions
+from .exact import (
+    IndexSet,
+    Rows,
+    Vector,
+    determinant,
+    dot,
+    pivot_transform,
+    principal,
+    read_matrix,
+    read_vector,
+    show,
+    times,
+)
 from .subject import Subject
 from .witness import is_solution
 
 
 @dataclass(frozen=True)
 class Face:
-    """The polyhedron of the z in SOL(q, A) with z = 0 off alpha and w = 0 on alpha."""
+    """A maximal face, as `lcpstar.solutions` finds it: z_i > 0 somewhere on it for i in alpha, and w_i = 0 there."""
 
     alpha: IndexSet
     vertices: tuple[Vector, ...]
@@ -42,12 +61,21 @@ class LocalReport:
 
 @dataclass(frozen=True)
 class SolutionSet:
-    """SOL(q, A), exact: a union of `faces`; `components` counts the connected components (0: no solution)."""
+    """SOL(q, A), exact: the union of its maximal `faces`, ordered by alpha as a binary number."""
 
     faces: tuple[Face, ...]
-    components: int
+    matrix: Rows = field(repr=False)
     q: Vector
-    _subject: Subject = field(repr=False)
+
+    @cached_property
+    def components(self) -> int:
+        """The connected components (0: no solution). Faces that meet share a vertex: they are faces of FEA(q, A)."""
+        groups: list[set[Vector]] = []
+        for face in self.faces:
+            touching = [group for group in groups if not group.isdisjoint(face.vertices)]
+            groups = [group for group in groups if group.isdisjoint(face.vertices)]
+            groups.append(set(face.vertices).union(*touching))
+        return len(groups)
 
     @property
     def empty(self) -> bool:
@@ -72,7 +100,7 @@ class SolutionSet:
     @property
     def convex(self) -> bool:
         """Any two solutions satisfy z'w~ = 0: then, and only then, the segment between them solves."""
-        A, zero = self._subject.rows, (Fraction(0),) * len(self.q)
+        A, zero = self.matrix, (Fraction(0),) * len(self.q)
         points = [
             (z, tuple(a + b for a, b in zip(times(A, z), self.q, strict=True))) for f in self.faces for z in f.vertices
         ]
@@ -82,17 +110,18 @@ class SolutionSet:
 
     def local(self, z: Any) -> LocalReport:
         """What a solution z looks like from nearby; raises OptionError if z does not solve LCP(q, A)."""
-        A = self._subject.rows
+        A = self.matrix
+        subject = Subject(A)
         point = read_vector(z, len(self.q), "z")
         if not is_solution(A, self.q, point):
             raise OptionError(f"z must solve LCP(q, A), got z = {show(point)}")
         w = [a + b for a, b in zip(times(A, point), self.q, strict=True)]
         alpha = tuple(i for i, v in enumerate(point) if v)
         ties = tuple(i for i, v in enumerate(point) if not v and not w[i])
-        unique = self._subject.ask("is_isolated", sum(1 << i for i in alpha), sum(1 << i for i in ties))
+        unique = subject.ask("is_isolated", sum(1 << i for i in alpha), sum(1 << i for i in ties))
         strong = _is_strongly_regular(A, alpha, ties)
         only = self.finite and len({z for f in self.faces for z in f.vertices}) == 1
-        by_theorem = only and bool(self._subject.verdict("tE0s")) and self._subject.kernel.game()[0] > 0
+        by_theorem = only and bool(subject.verdict("tE0s")) and subject.kernel.game()[0] > 0
         return LocalReport(point, alpha, ties, unique, strong, True if strong or by_theorem else None)
 
     def __str__(self) -> str:
@@ -126,7 +155,7 @@ def solution_set(A: Any, q: Any, *, time_limit: float | None = None) -> Solution
     A : (n, n) array_like, q : (n,) array_like
         Exact numbers as for `lcpstar.classes.check`.
     time_limit : float, optional
-        Seconds; TimeoutError when they are over.
+        Seconds; TimeLimitError when they are over.
 
     Returns
     -------
@@ -139,7 +168,8 @@ def solution_set(A: Any, q: Any, *, time_limit: float | None = None) -> Solution
 
     Notes
     -----
-    One double description per index set and one linear program per pair of them: for n <= 10 or so.
+    As `lcpstar.solutions`, which takes the problem when a positive factor for each row of (A, q) makes all numbers
+    doubles; other problems take one double description per index set: n <= 10 or so.
 
     Examples
     --------
@@ -147,24 +177,40 @@ def solution_set(A: Any, q: Any, *, time_limit: float | None = None) -> Solution
     >>> found.components, found.finite, found.local([5, 0, 4]).strongly_stable
     (3, True, True)
     """
-    subject = make_subject(A, time_limit)
-    vector = read_vector(q, subject.n)
+    limit = as_seconds("time_limit", time_limit)
+    rows = read_matrix(A)
+    vector = read_vector(q, len(rows))
+    given: list[tuple[Any, ...]] = [(*row, c) for row, c in zip(rows, vector, strict=True)]
+    for table in (given, list(map(_whole, given))):
+        if all(abs(x) < 2**1023 and float(x) == x for row in table for x in row):
+            doubles = np.array(table, dtype=np.float64)
+            found = solutions(doubles[:, :-1], doubles[:, -1], exact=True, time_limit=limit)
+            faces = [Face(tuple(f.alpha), tuple(map(tuple, f.vertices)), tuple(map(_whole, f.rays))) for f in found]
+            break
+    else:
+        faces = _maximal_pieces(rows, vector, limit)
+    return SolutionSet(tuple(sorted(faces, key=lambda face: sum(1 << i for i in face.alpha))), rows, vector)
+
+
+def _whole(row: Iterable[Any]) -> tuple[int, ...]:
+    """The positive multiple of a row, or of a ray, whose entries are integers without a common factor."""
+    fractions = list(map(Fraction, row))
+    common = math.lcm(*(x.denominator for x in fractions))
+    numbers = [int(x * common) for x in fractions]
+    divisor = math.gcd(*numbers) or 1
+    return tuple(x // divisor for x in numbers)
+
+
+def _maximal_pieces(rows: Rows, q: Vector, time_limit: float | None) -> list[Face]:
+    """The pieces `z = 0 off alpha, w = 0 on alpha` that lie in no other one."""
+    subject = Subject(rows, None if time_limit is None else time.monotonic() + time_limit)
     # The kernel holds scale * A: with q scaled by the common denominator d, its z is d z / scale.
-    common = 1
-    for value in vector:
-        common = common * value.denominator // _gcd(common, value.denominator)
-    whole = tuple(int(v * common) for v in vector)
-    factor = Fraction(subject.scale, common)
+    common = math.lcm(*(value.denominator for value in q))
     faces = []
-    for mask, vertices, rays in subject.ask("pieces", whole):
-        points = tuple(tuple(Fraction(v, t) * factor for v in z) for z, t in vertices)
-        faces.append(Face(tuple(i for i in range(subject.n) if mask >> i & 1), points, tuple(map(tuple, rays))))
-    components = subject.ask("components", whole)[2]
-    subject.deadline = None  # the time limit is that of the set; `local` is asked later
-    return SolutionSet(tuple(faces), components, vector, subject)
-
-
-def _gcd(a: int, b: int) -> int:
-    while b:
-        a, b = b, a % b
-    return a
+    for _, vertices, rays in subject.ask("pieces", tuple(int(v * common) for v in q)):
+        points = tuple(sorted(tuple(Fraction(v * subject.scale, t * common) for v in z) for z, t in vertices))
+        directions = tuple(sorted(map(tuple, rays)))
+        alpha = tuple(i for i in range(subject.n) if any(x[i] for x in (*points, *directions)))
+        faces.append(Face(alpha, points, directions))
+    generators = {face: {*face.vertices, *((ray,) for ray in face.rays)} for face in faces}
+    return [f for f, inside in generators.items() if not any(inside < other for other in generators.values())]
