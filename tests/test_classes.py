@@ -306,7 +306,7 @@ def test_classify_reports():
     assert list(report) == list(classes.CLASSES)
     assert "tE0s" in report.holds
     assert any("Lemke" in line for line in report.guarantees)
-    assert any("interior" in line or "convergence theorem fails" in line for line in report.guarantees)
+    assert any("interior" in line or "theorem is false without P0" in line for line in report.guarantees)
     assert "E0s" in str(report)
     assert report._repr_html_().startswith("<table>")
     assert report["E0^s"].symbol == "E0s"
@@ -326,6 +326,18 @@ def test_a_copy_of_a_classification_says_and_proves_the_same(A):
             assert type(twin[symbol]) is classes.Verdict
             assert twin[symbol].check() is verdict.check()
             assert repr(twin[symbol].witness) == repr(verdict.witness)
+
+
+def test_what_follows_does_not_contradict_itself_or_what_happens():
+    lines = lcpstar.classify([[-1]]).guarantees
+    assert any("Chandrasekaran's method finds it" in line for line in lines)
+    assert not any("no method" in line for line in lines)
+    for q in (-1, 0, 1):
+        assert lcpstar.solve([[-1]], [q], method="chandrasekaran").status in ("solved", "infeasible")
+    A, q = [[0, 1, 1], [2, 0, 2], [-2, -5, 0]], [-4, -7, 10]
+    run = lcpstar.potential_reduction(A, q, z0=[1, 1, 5])
+    assert np.abs(np.minimum(run.z, np.array(A) @ run.z + q)).max() < 1e-2
+    assert not any("fails" in line for line in lcpstar.classify(A).guarantees)
 
 
 def test_game_values_prove_themselves():

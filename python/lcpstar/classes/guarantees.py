@@ -12,7 +12,7 @@ _GUARANTEES: tuple[tuple[tuple[str, ...], str], ...] = (
     ),
     (("CSU",), "SOL(q, A) is convex for every q [CPV89]"),
     (("RSU",), "every KKT point of min z'(Az + q) over FEA(q, A) solves LCP(q, A) [CPV89]"),
-    (("SU",), "interior point methods solve LCP(q, A) (sufficient = P*(kappa)) [Val96]"),
+    (("SU",), "interior point methods solve every feasible LCP(q, A) (sufficient = P*(kappa)) [Val96]"),
     (("P0", "Q0"), "Lemke's method solves LCP(q, A) or proves it infeasible [AC87]"),
     (("Ec", "Q0"), "Lemke's method solves LCP(q, A) or proves it infeasible [CF96]"),
     (("L",), "Lemke's method solves LCP(q, A) or proves it infeasible, for every q [Eav71]"),
@@ -38,9 +38,11 @@ def guarantees(known: dict[str, bool]) -> tuple[str, ...]:
         if all(known.get(s) for s in symbols) and not any(line.endswith(sentence) for line in found):
             found.append(f"{' and '.join(symbols)}: {sentence}")
     if known.get("tE0s") and known.get("P0") is False:
-        found.append("tE0s, not P0: the paper's convergence theorem fails here; use Lemke")
+        found.append(
+            "tE0s, not P0: the paper's theorem is false without P0; its method may converge, Lemke's decides every q"
+        )
     if known.get("Q0") is False:
         found.append("not Q0: some feasible q has no solution; the witness shows one")
     if known.get("E0") is False:
-        found.append("not E0: some q > 0 has a solution besides 0; no method promises to decide every q")
+        found.append("not E0: some q > 0 has a solution besides 0")
     return tuple(found)
