@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import lcpstar
+from answers import BELOW, NEARLY, answer
 from lcp_checks import assert_farkas, assert_solves
 from lcpstar.problems import murty
 
@@ -88,6 +89,14 @@ def test_infeasible_z_matrix():
     solution = lcpstar.solve(A, q, method="chandrasekaran")
     assert solution.status == "infeasible"
     assert_farkas(A, q, solution.certificate.y)
+
+
+def test_nearly_infeasible():
+    """w_1 + w_2 = 2^-40 z_1 - 2 >= 0 needs a large z; there is one."""
+    y = lcpstar.result.Certificate("nearly_infeasible", y=np.ones(2), bound=2.0**41)
+    verified(NEARLY, BELOW, answer(NEARLY, BELOW, [0, 0], "nearly_infeasible", certificate=y))
+    z = [2.0**41, 2.0**41 - 1]
+    verified(NEARLY, BELOW, answer(NEARLY, BELOW, z, certificate=None), exact=True)
 
 
 def test_feasible_without_a_solution():

@@ -16,6 +16,7 @@ class Status(str, Enum):
 
     SOLVED = "solved"
     INFEASIBLE = "infeasible"
+    NEARLY_INFEASIBLE = "nearly_infeasible"
     SECONDARY_RAY = "secondary_ray"
     MAX_ITERATIONS = "max_iterations"
     TIME_LIMIT = "time_limit"
@@ -30,12 +31,11 @@ class Status(str, Enum):
 class Certificate:
     """Why a status may be believed.
 
-    `kind` is "solution" (`alpha`, the complementary basis, reproduces z), "infeasible" (`y >= 0, A'y <= 0, q'y < 0`),
-    "ray" or "not_sufficient" (`x_i (A x)_i <= 0` for all i and `< 0` for some i with x = `z`, or the same of A' with
-    x = `y`). `exact` says whether it was proved in rational arithmetic; then `z` or `y` holds
-    `Fraction`s.
-    In floating point, `A'y <= 0` holds up to rounding, bounded so that any feasible z would have norm above 1e10
-    (equilibrated units).
+    `kind` is "solution" (`alpha`, the complementary basis, reproduces z), "infeasible" (`y >= 0, A'y <= 0, q'y < 0`,
+    exactly, whether y holds doubles or `Fraction`s), "nearly_infeasible" (no z >= 0 with `sum(z) < bound` is feasible:
+    `y >= 0`, `q'y < 0`, `bound <= -q'y / max_j (A'y)_j`, rigorously), "ray" or "not_sufficient" (`x_i (A x)_i <= 0` for
+    all i and `< 0` for some i with x = `z`, or the same of A' with x = `y`). `exact` says whether it was found in
+    rational arithmetic; then `z` or `y` holds `Fraction`s.
     """
 
     kind: str
@@ -43,6 +43,7 @@ class Certificate:
     alpha: list[int] | None = None
     y: Vector | list[Fraction] | None = None
     z: list[Fraction] | None = None
+    bound: float | None = None
 
 
 @dataclass(frozen=True, eq=False)
