@@ -8,6 +8,7 @@ from typing import Any
 
 from .exact import Rows, Vector, determinant, dot, principal, solve, subsets, times, transpose
 from .regions import Tree, cone_columns
+from .witness import RULES, is_opposite
 
 
 @dataclass(frozen=True)
@@ -22,6 +23,8 @@ class LDL:
     def proves(self, A: Rows) -> bool:
         """Multiply it out."""
         n = len(A)
+        if sorted(self.order) != list(range(n)) or len(self.D) != n or any(len(row) != n for row in self.L):
+            return False
         unit = all(self.L[i][j] == (i == j) for i in range(n) for j in range(i, n))
         signs = all(d > 0 if self.definite else d >= 0 for d in self.D)
         product = all(
@@ -63,21 +66,17 @@ def ldl(A: Rows, definite: bool) -> LDL:
 
 @dataclass(frozen=True)
 class MinorSigns:
-    """All principal minors recomputed (`proper`: all but the last); `rule` as in `witness.Minor`."""
+    """All principal minors obey `rule`, one of `witness.RULES`; `proper`: all but det A, strictly of the other sign."""
 
     rule: str
     proper: bool = False
 
     def proves(self, A: Rows) -> bool:
         """2^n determinants."""
-        from .witness import _RULES
-
-        allowed = _RULES[self.rule]
-        return all(
-            allowed(determinant(principal(A, alpha)))
-            for alpha in subsets(len(A))
-            if not (self.proper and len(alpha) == len(A))
-        )
+        minors = [determinant(principal(A, alpha)) for alpha in subsets(len(A))]
+        if self.proper and not is_opposite(minors.pop(), self.rule):
+            return False
+        return all(map(RULES[self.rule], minors))
 
 
 @dataclass(frozen=True)

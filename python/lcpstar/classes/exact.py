@@ -175,6 +175,11 @@ def pivot_transform(A: Rows, alpha: Sequence[int]) -> Rows | None:
     return transpose(tuple(columns))
 
 
+def is_index_set(alpha: Sequence[int], n: int) -> bool:
+    """Indices in 0..n-1, ascending."""
+    return list(alpha) == sorted({i for i in alpha if 0 <= i < n})
+
+
 def show(x: Iterable[Fraction | int]) -> str:
     """(1, 0, 2/3)."""
     return "(" + ", ".join(str(v) for v in x) + ")"

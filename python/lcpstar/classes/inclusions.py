@@ -5,6 +5,8 @@ A pair (small, large) says small is contained in large. Empirical inclusions are
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 INCLUSIONS: tuple[tuple[str, str, str], ...] = (
     ("PD", "P", "[CPS92, 3.3]"),
     ("PD", "PSD", "by definition"),
@@ -94,6 +96,15 @@ def supersets(symbol: str) -> dict[str, str]:
             if a == small and b not in found and b != symbol:
                 found[b] = why
                 todo.append(b)
+    return found
+
+
+def enclosing(symbols: Iterable[str]) -> set[str]:
+    """These classes and all that contain one of them, or the intersection of two."""
+    found = {large for symbol in symbols for large in (symbol, *supersets(symbol))}
+    for first, second, large, _ in INTERSECTIONS:
+        if {first, second} <= found and large not in found:
+            return enclosing([*found, large])
     return found
 
 

@@ -33,7 +33,7 @@ def _almost(A: Subject, rule: str, opposite: str) -> Finding:
         witness = Minor(everything, opposite)
         return Finding(False, lambda: witness.sentence(A.rows), witness)
     proper = _minors(A, rule, proper=True)
-    return Finding(proper.holds, proper.reason, proper.witness)
+    return Finding(proper.holds, proper.reason, proper.witness, proper.certificate)
 
 
 def _implied(A: Subject, smaller: str, sentence: str) -> Finding:

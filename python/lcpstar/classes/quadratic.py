@@ -185,7 +185,7 @@ def exact_order(A: Subject, k: int) -> Finding:
         return (
             Finding(True, "there are no principal submatrices to ask")
             if k > A.n + 1
-            else Finding(False, "the empty matrix is copositive", Member("C0"))
+            else Finding(False, "the empty matrix is copositive", InSubmatrix((), Member("C0")))
         )
     return Finding(True, f"every principal submatrix of order {A.n - k} is copositive, none of order {A.n - k + 1}")
 

@@ -100,6 +100,8 @@ class Disconnected:
     def refutes(self, A: Rows) -> bool:
         """Every piece and every pair is accounted for."""
         n = len(A)
+        if any(not 0 <= alpha < 2**n for alpha in self.points):
+            return False
         proved = set()
         for alpha, beta, y in self.separations:
             columns = [c for j, c in enumerate(cone_columns(A, alpha)) if not (alpha ^ beta) >> j & 1]
@@ -180,6 +182,8 @@ class AllShadowed:
         leaves = self.tree.leaves(unit)
         known: dict[tuple[Vector, int], bool] = {}
         for cone, j in leaves or ():
+            if not 0 <= j < n:
+                return False
             generators = [g for i in range(n) if i != j for g in (unit[i], A[i])]
             for ray in cone:
                 if (ray, j) not in known:

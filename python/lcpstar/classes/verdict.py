@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from functools import cached_property, partial
 from typing import Any
 
+from .evidence import is_matrix, is_plain, proves, refutes
 from .exact import Rows
 
 
@@ -57,7 +58,10 @@ class Verdict:
         return self._reason if isinstance(self._reason, str) else self._reason()
 
     def check(self) -> bool | None:
-        """Re-check the witness or the certificate from the matrix alone, without the compiled core.
+        """Re-check from the matrix alone, without the compiled core, that witness or certificate prove this verdict.
+
+        Its claim must be true of `matrix`, and must say by the definition of the class `symbol`, or by the proved
+        inclusions, what `holds` says.
 
         Returns
         -------
@@ -65,11 +69,14 @@ class Verdict:
             True if it proves the verdict, None if there is nothing to check (undecided, or True without a compact
             certificate: then `reason` names the theorem or the finite test). False would be a bug: please report it.
         """
-        if self.holds is False:
-            return bool(self.witness.refutes(self.matrix))
-        if self.holds and self.certificate is not None:
-            return bool(self.certificate.proves(self.matrix))
-        return None
+        evidence = self.certificate if self.holds else self.witness
+        if self.holds is None or (self.holds is True and evidence is None):
+            return None
+        try:
+            plain = is_matrix(self.matrix) and is_plain(evidence, Verdict)
+            return plain and (proves if self.holds else refutes)(evidence, self.matrix, self.symbol)
+        except (ArithmeticError, AttributeError, LookupError, RecursionError, TypeError, ValueError):
+            return False  # vectors of the wrong length, indices out of range, None in the place of a number
 
     def __bool__(self) -> bool:
         if self.holds is None:

@@ -16,6 +16,7 @@ from .exact import (
     Vector,
     determinant,
     dot,
+    is_index_set,
     pivot_transform,
     principal,
     show,
@@ -42,12 +43,17 @@ class Witness(Protocol):
         ...
 
 
-_RULES: dict[str, Callable[[Fraction], bool]] = {
+RULES: dict[str, Callable[[Fraction], bool]] = {
     "> 0": lambda d: d > 0,
     ">= 0": lambda d: d >= 0,
     "< 0": lambda d: d < 0,
     "<= 0": lambda d: d <= 0,
 }
+
+
+def is_opposite(d: Fraction, rule: str) -> bool:
+    """Whether d is strictly of the sign that `rule` excludes."""
+    return d < 0 if rule.startswith(">") else d > 0
 
 
 def is_nonnegative(x: Vector) -> bool:
@@ -70,7 +76,9 @@ class Minor:
 
     def refutes(self, A: Rows) -> bool:
         """Recompute the minor."""
-        return not _RULES[self.rule](determinant(principal(A, self.alpha)))
+        if not self.alpha or not is_index_set(self.alpha, len(A)):
+            return False
+        return not RULES[self.rule](determinant(principal(A, self.alpha)))
 
     def sentence(self, A: Rows) -> str:
         """Show the minor."""
@@ -87,7 +95,8 @@ class Entry:
 
     def refutes(self, A: Rows) -> bool:
         """Look at it."""
-        return self.i != self.j and A[self.i][self.j] > 0
+        n = len(A)
+        return 0 <= self.i < n and 0 <= self.j < n and self.i != self.j and A[self.i][self.j] > 0
 
     def sentence(self, A: Rows) -> str:
         """Show it."""
@@ -208,6 +217,8 @@ class NotStar:
 
     def refutes(self, A: Rows) -> bool:
         """Recompute Ax and A'x."""
+        if not 0 <= self.i < len(A):
+            return False
         w, y = times(A, self.x)[self.i], times(transpose(A), self.x)[self.i]
         return is_solution(A, (Fraction(0),) * len(A), self.x) and (y > 0 or (self.tilde and y != 0 and w == 0))
 
@@ -293,7 +304,7 @@ class InSubmatrix:
 
     def refutes(self, A: Rows) -> bool:
         """Check it there."""
-        return self.inner.refutes(principal(A, self.alpha))
+        return is_index_set(self.alpha, len(A)) and self.inner.refutes(principal(A, self.alpha))
 
     def sentence(self, A: Rows) -> str:
         """Say it there."""
@@ -309,7 +320,7 @@ class InTransform:
 
     def refutes(self, A: Rows) -> bool:
         """Pivot and check it there."""
-        M = pivot_transform(A, self.alpha)
+        M = pivot_transform(A, self.alpha) if is_index_set(self.alpha, len(A)) else None
         return M is not None and self.inner.refutes(M)
 
     def sentence(self, A: Rows) -> str:
@@ -335,7 +346,7 @@ class InTranspose:
 
 @dataclass(frozen=True)
 class All:
-    """Several facts that refute together."""
+    """Facts of which each is true."""
 
     parts: tuple[Witness, ...]
 
