@@ -28,6 +28,7 @@ from answers import (
 from lcpstar import verify
 from lcpstar.result import Certificate
 from lcpstar.verify.problem import read_problem
+from lcpstar.verify.tails import is_chained_dominant
 
 GENUINE = {
     "solved": (A2, Q2, solved()),
@@ -239,6 +240,38 @@ def test_an_unsolvable_problem_is_not_solved_by_a_point_that_hides_its_error(A, 
         assert failed(A, q, sol), stated
         assert failed(sparse.csr_array(A), q, sol), stated
         assert failed(A, q, sol, exact=True), stated
+
+
+def test_a_decayed_tail_is_forgiven_where_a_is_dominant():
+    """z_i = 2^-i; the entries after the 70th are 0, and w = -2^-71 in the row that knows."""
+    n = 100
+    A = 2.5 * np.eye(n) - np.eye(n, k=1) - np.eye(n, k=-1)
+    q, z = -np.eye(n)[0], np.where(np.arange(n) < 70, 0.5 ** np.arange(1, n + 1), 0.0)
+    assert failed(A, q, answer(A, q, z)) == set()
+    alone = {"every row holds to its own numbers"}
+    assert failed(A, q, answer(A, q, np.where(np.arange(n) < 40, z, 0.0))) >= alone  # 2^-41 is no rounding
+    twice = np.kron(np.eye(2), A)
+    both = np.concatenate([q, 1e-9 * q])
+    found = failed(twice, both, answer(twice, both, np.concatenate([z, 1e-9 * z])))
+    assert found == set()
+    assert failed(twice, both, answer(twice, both, np.concatenate([z, 1e-9 * np.where(z < 1e-14, 0.0, z)]))) == alone
+    loose = A.copy()
+    loose[99, 98] = loose[98, 99] = -2.51  # not dominant
+    assert failed(loose, q, answer(loose, q, z)) == alone
+
+
+def test_chains_to_a_strict_row_make_a_dominant_matrix():
+    def dominant(rows):
+        return is_chained_dominant(read_problem(np.array(rows, float), np.zeros(len(rows))).A)
+
+    assert dominant([[2, -1], [1, 2]])
+    assert dominant([[2, -1, 0], [-1, 2, -1], [0, -1, 2]])
+    assert not dominant([[1, -1], [-1, 1]])
+    assert not dominant([[1, -1, 0], [-1, 1, 0], [0, 0, 1]])
+    assert not dominant([[1, -2], [0, 1]])
+    assert not dominant([[0]])
+    assert not dominant([[-1]])
+    assert not dominant([[0.3, -0.1, -0.2], [0, 1, 0], [0, 0, 1]])  # 0.1 + 0.2 > 0.3 in doubles, exactly
 
 
 def test_the_empty_problem_and_the_options():

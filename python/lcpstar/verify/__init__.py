@@ -72,6 +72,7 @@ def verify(A: Any, q: Any, sol: Any, exact: bool = False, tol: float = 1e-9) -> 
     both residuals. "solved" then means `z >= 0` and, with `m = |A||z| + |q|`, on the equilibrated problem (z', w')
     `max|min(z', w')| <= tol max(1, max z')` and `<= max(tol, 1e-6)`, and in every row of the given one
     `|min(z, w)|_i <= 10 tol max|q| + 8 eps m_i` and `|w_i| <= sqrt(tol) m_i`, where `z_i = 0` only for `w_i < 0`.
+    In a row in which the solution of a diagonally dominant system has decayed, w_i may be off by `32 eps max|q'|`.
     Instead an exact certificate may prove the solution of which `z` is the rounding, to the last bit.
     "infeasible" needs `y >= 0, A'y <= 0, q'y < 0` as rational numbers, whatever y is made of.
     "nearly_infeasible" needs `y >= 0, q'y < 0`, `(A'y)_j <= 1e-9 (|A|'y)_j`, and exactly

@@ -40,6 +40,12 @@ def as_doubles(x: Numbers) -> Vector:
     return x if isinstance(x, np.ndarray) else np.array([to_double(v) for v in x], dtype=np.float64)
 
 
+def simplest(x: Numbers) -> Numbers:
+    """Doubles where every number is one."""
+    doubles = as_doubles(x)
+    return doubles if np.isfinite(doubles).all() and doubles.tolist() == list(x) else x
+
+
 @dataclass(frozen=True)
 class Rationals:
     """A vector of rational numbers as integers over one denominator."""

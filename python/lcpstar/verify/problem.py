@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
-from fractions import Fraction
 from functools import cached_property
 from typing import Any
 
@@ -14,7 +12,7 @@ from ..classes.exact import read_matrix, read_vector
 from ..coerce import Vector, as_matrix, as_vector
 from ..errors import NotFiniteError, ShapeError
 from ..sparse import as_rows, is_sparse
-from .exact import Integers, Matrix, Numbers, Sums, as_doubles, times_powers_of_two
+from .exact import Integers, Matrix, Numbers, Sums, as_doubles, simplest, times_powers_of_two
 
 _SWEEPS = 12
 _NO_ENTRY = -(10**6)
@@ -93,7 +91,7 @@ def read_problem(A: Any, q: Any) -> Problem:
         exact = read_matrix(A)
         entries = [(i, j, x) for i, row in enumerate(exact) for j, x in enumerate(row) if x]
         rows, columns = (np.array([entry[k] for entry in entries], dtype=np.int64) for k in range(2))
-        matrix = _matrix(len(exact), rows, columns, _simplest([x for _, _, x in entries]))
+        matrix = _matrix(len(exact), rows, columns, simplest([x for _, _, x in entries]))
     return Problem(matrix, _read_q(q, matrix.n))
 
 
@@ -110,13 +108,7 @@ def _read_q(q: Any, n: int) -> Numbers:
             raise ShapeError(f"q must have length {n}, got {len(vector)}")
         _check_finite("q", vector)
         return vector
-    return _simplest(list(read_vector(q, n)))
-
-
-def _simplest(x: Sequence[Fraction]) -> Numbers:
-    """Doubles where every number is one."""
-    doubles = as_doubles(list(x))
-    return doubles if all(np.isfinite(doubles)) and doubles.tolist() == list(x) else list(x)
+    return simplest(list(read_vector(q, n)))
 
 
 def _check_finite(name: str, array: Vector) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..coerce import Vector
 from .claim import Direction, Proof
-from .exact import Numbers, Rationals, Sums, as_doubles, times_powers_of_two
+from .exact import Numbers, Rationals, Sums, as_doubles, simplest, times_powers_of_two
 from .problem import Problem
 from .report import Check
 
@@ -21,13 +21,13 @@ def check_farkas(problem: Problem, proof: Proof) -> list[Check]:
     """`y >= 0, A'y <= 0, q'y < 0` as rational numbers: then no z >= 0 has A z + q >= 0."""
     if proof.y is None:
         return [Check("the certificate holds a Farkas vector", False)]
-    columns = problem.A.transposed.times(proof.y)
+    columns = problem.A.transposed.times(simplest(proof.y))
     return [*_multiplier(problem, proof.y), Check("exact A'y <= 0", bool(np.all(columns.value <= 0)))]
 
 
 def _multiplier(problem: Problem, y: Numbers) -> list[Check]:
     return [
-        Check("exact y >= 0", bool(np.all(as_doubles(y) >= 0)) if isinstance(y, np.ndarray) else min(y) >= 0),
+        Check("exact y >= 0", all(v >= 0 for v in y)),
         Check("exact q'y < 0", Rationals.of(problem.q).dot(Rationals.of(y)) < 0),
     ]
 
@@ -39,7 +39,7 @@ def check_nearly_farkas(problem: Problem, proof: Proof) -> list[Check]:
     """
     if proof.y is None or proof.bound is None:
         return [Check("the certificate holds y and the bound that follows from it", False)]
-    columns = problem.A.transposed.times(proof.y)
+    columns = problem.A.transposed.times(simplest(proof.y))
     value = Rationals.of(problem.q).dot(Rationals.of(proof.y))
     largest = _largest(problem, columns, Rationals.of(proof.y))
     finite = math.isfinite(proof.bound) and Fraction(proof.bound) * largest <= -value
