@@ -13,8 +13,10 @@ from .exact import Numbers, Rationals, Sums, as_doubles, simplest, times_powers_
 from .problem import Problem
 from .report import Check
 
-#: Rounded rays come from linear solves: accepted to this relative accuracy.
-_SOLVE_TOL = 1e-9
+#: A vector that nearly refutes feasibility has `(A'y)_j` below this part of its terms.
+_NEARLY = 1e-9
+#: A ray comes from linear solves in doubles, and no claim rests on it: it may be off by this part of its largest number.
+_RAY_TOL = 1e-6
 
 
 def check_farkas(problem: Problem, proof: Proof) -> list[Check]:
@@ -47,7 +49,7 @@ def check_nearly_farkas(problem: Problem, proof: Proof) -> list[Check]:
     return [
         *_multiplier(problem, proof.y),
         Check("exact 0 < bound <= -q'y / max_j (A'y)_j", bounded, f"bound = {proof.bound:.3g}"),
-        Check("A'y <= 0 to 1e-9 of its terms", bool(np.all(columns.value <= _SOLVE_TOL * columns.size))),
+        Check("A'y <= 0 to 1e-9 of its terms", bool(np.all(columns.value <= _NEARLY * columns.size))),
     ]
 
 
@@ -93,7 +95,7 @@ def check_ray(problem: Problem, ray: Direction) -> list[Check]:
     return [
         Check("z_hat >= 0, not zero", bool(np.all(z_hat >= -room_hat) and np.any(z_hat > room_hat))),
         Check("z0_hat >= 0", bool(np.all(z0_hat >= -room_hat))),
-        Check("w_hat = A z_hat + d z0_hat", bool(np.all(np.abs(w_hat.value - stated) <= _SOLVE_TOL * w_hat.size))),
+        Check("w_hat = A z_hat + d z0_hat", bool(np.all(np.abs(w_hat.value - stated) <= _RAY_TOL * w_hat.size))),
         Check("w_hat >= 0", bool(np.all(scaled >= -room_hat))),
         Check("z_hat'w_hat = 0", bool(np.all(np.minimum(z_hat, scaled) <= room_hat))),
         Check("A z + q + d z0 >= 0 where the ray starts", bool(np.all(w >= -room))),
@@ -102,7 +104,7 @@ def check_ray(problem: Problem, ray: Direction) -> list[Check]:
 
 
 def _room(*numbers: Vector) -> float:
-    return _SOLVE_TOL * float(np.max(np.abs(np.concatenate(numbers)), initial=0.0))
+    return _RAY_TOL * float(np.max(np.abs(np.concatenate(numbers)), initial=0.0))
 
 
 def _add(start: Numbers, d: Numbers, z0: float) -> Numbers:
@@ -132,4 +134,4 @@ def _is_parallel(problem: Problem, z: list[Fraction], ray: Direction) -> bool:
     tops = [np.max(np.abs(x), initial=0.0) for x in (exact, rounded)]
     if not (0 < tops[0] < math.inf and 0 < tops[1] < math.inf):
         return False
-    return bool(np.all(np.abs(exact / tops[0] - rounded / tops[1]) <= 1e-6))
+    return bool(np.all(np.abs(exact / tops[0] - rounded / tops[1]) <= _RAY_TOL))
