@@ -12,7 +12,7 @@ mod small;
 use crate::control::Control;
 use crate::equilibrate::{DENSE_UP_TO, Equilibrated, Rows};
 use crate::error::{LcpError, Result};
-use crate::judge::judge;
+use crate::judge::{judge, without_tails};
 use crate::member::Member;
 use crate::methods::{
     bilinear, block_pivoting, chandrasekaran, enumerate, interior_point, lemke, lemke_howson, potential_reduction,
@@ -210,6 +210,7 @@ fn finished<P: Rows>(
     settings: &Settings,
     control: &Control<'_>,
 ) -> Solution {
+    solution = without_tails(problem, solution, settings.tol);
     if settings.certify == Certify::Exact {
         solution = prove::prove(problem, solution, settings.tol, control);
     }
@@ -317,6 +318,7 @@ fn sparse_interior_point(
         interior_point::Settings { tol: congruent_tol(settings.tol, &scaling, target), z0, ..options.clone() };
     let found = interior_point::interior_point_sparse(&problem.original.scaled(&scaling), &options, control);
     let solution = judge(problem, carried(found, &scaling, target), Member::InteriorPoint, settings.tol);
+    let solution = without_tails(problem, solution, settings.tol);
     if !polish::is_near(&solution, settings.tol) || control.max_iterations.is_some() {
         return solution;
     }

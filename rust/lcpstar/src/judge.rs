@@ -47,13 +47,12 @@ pub fn judge_callers<P: Rows>(
     tol: f64,
 ) -> Solution {
     let (judged, passed) = best_nearby(problem, z, tol);
-    let support = || (0..judged.z.len()).filter(|&i| judged.z[i] > 0.0).collect();
     let (alpha, evidence) = match passed {
         Some(passed) => {
-            let alpha = candidate.alpha.take().unwrap_or_else(support);
+            let alpha = candidate.alpha.take().unwrap_or_else(|| support(&judged.z));
             (alpha.clone(), Evidence::Passed(passed, alpha))
         }
-        None => (support(), against(problem, &mut candidate)),
+        None => (support(&judged.z), against(problem, &mut candidate)),
     };
     let verdict = Verdict::of(evidence);
     Solution {
@@ -79,22 +78,32 @@ pub(crate) fn proved<P: Rows>(
     found: &Solution,
     tol: f64,
 ) -> Solution {
-    let judged = measure(problem, exact.z.to_f64(), tol);
-    let judged = if judged.is_finite() { judged } else { measure(problem, vec![0.0; problem.original.n()], tol) };
+    let rounded = exact.z.to_f64();
+    let point = rounded.iter().all(|z| z.is_finite()).then(|| measure(problem, rounded, tol, None));
+    let point = point.filter(Judged::is_finite);
+    let is_held = point.is_some();
+    let judged = point.unwrap_or_else(|| measure(problem, vec![0.0; problem.original.n()], tol, None));
+    let residual = judged.residual;
     let message = match judged.passed {
-        Some(_) => format!("solved: residual {:.2e} <= tol {tol:.0e}; proved in exact arithmetic", judged.residual),
+        _ if !is_held => "no double holds the solution: certificate.z has it, proved in exact arithmetic".to_owned(),
+        Some(_) => format!("solved: residual {residual:.2e} <= tol {tol:.0e}; proved in exact arithmetic"),
         None => format!(
-            "solved, proved in exact arithmetic: the solution is certificate.z; its rounding to doubles has residual {:.2e}, \
-             which exceeds tol {tol:.0e} or is too large a part of some row",
-            judged.residual
+            "solved, proved in exact arithmetic: the solution is certificate.z; its rounding to doubles has residual \
+             {residual:.2e} for tol {tol:.0e}, or an error that is a large part of some row"
         ),
+    };
+    let alpha = exact.alpha.clone();
+    let evidence = if is_held {
+        Evidence::Proved(exact)
+    } else {
+        Evidence::Stopped(Termination::Breakdown("no double holds it"), Some(Aside::Solution(exact)))
     };
     Solution {
         message,
         z: judged.z,
         w: judged.w,
-        alpha: exact.alpha.clone(),
-        verdict: Verdict::of(Evidence::Proved(exact)),
+        alpha,
+        verdict: Verdict::of(evidence),
         method: found.method,
         iterations: found.iterations,
         residual: judged.residual,
@@ -120,14 +129,14 @@ fn best_nearby<P: Rows>(problem: &Equilibrated<'_, P>, mut z: Vec<f64>, tol: f64
     if !z.iter().all(|x| x.is_finite()) {
         z.fill(0.0); // no iterate worth keeping
     }
-    let first = measure(problem, z, tol);
+    let first = measure(problem, z, tol, None);
     if let Some(passed) = first.passed {
         return (first, Some(passed));
     }
     let mut tried = first.z.clone();
     for z in without_noise(problem, &first) {
         if z != tried {
-            let judged = measure(problem, z, tol);
+            let judged = measure(problem, z, tol, None);
             if let Some(passed) = judged.passed {
                 return (judged, Some(passed));
             }
@@ -137,7 +146,7 @@ fn best_nearby<P: Rows>(problem: &Equilibrated<'_, P>, mut z: Vec<f64>, tol: f64
     if first.is_finite() {
         return (first, None);
     }
-    let zero = measure(problem, vec![0.0; tried.len()], tol);
+    let zero = measure(problem, vec![0.0; tried.len()], tol, None);
     let passed = zero.passed;
     (zero, passed)
 }
@@ -157,8 +166,8 @@ fn without_noise<P: Rows>(problem: &Equilibrated<'_, P>, point: &Judged) -> [Vec
     [pairs, once, twice]
 }
 
-/// A point `z >= 0` of the caller's: `w`, both residuals and the rule.
-fn measure<P: Rows>(problem: &Equilibrated<'_, P>, z: Vec<f64>, tol: f64) -> Judged {
+/// A point `z >= 0` of the caller's: `w`, both residuals and the rule, which forgives `tails` where they are given.
+fn measure<P: Rows>(problem: &Equilibrated<'_, P>, z: Vec<f64>, tol: f64, tails: Option<&Tails>) -> Judged {
     if !(problem.is_ordinary && are_ordinary(&z)) {
         return extreme::measure(problem, z, tol);
     }
@@ -166,28 +175,43 @@ fn measure<P: Rows>(problem: &Equilibrated<'_, P>, z: Vec<f64>, tol: f64) -> Jud
     let scaled_z = scaling.z_from_caller(&z);
     let (scaled_w, magnitude) = problem.lcp.slack(&scaled_z);
     let (w, m) = (scaling.w_to_caller(&scaled_w), scaling.w_to_caller(&magnitude));
-    let rule = |tails: Option<&Tails>| {
-        let mut rule = Rule::new(tol, max_abs(problem.original.q()));
-        for i in 0..z.len() {
-            let off = off_by(scaled_z[i], scaled_w[i]);
-            rule.add(Row {
-                equilibrated: [scaled_z[i], scaled_w[i]],
-                caller: [z[i], w[i], m[i]],
-                part: if off == 0.0 { 0.0 } else { off / magnitude[i] },
-                is_tail: tails.is_some_and(|tails| tails.forgive(i, off, magnitude[i])),
-            });
-        }
-        let passed = rule.passed(slack_error(z.len(), max_abs(&magnitude)));
-        (rule.residual(), passed.filter(|_| w.iter().all(|w| w.is_finite())))
-    };
-    let (residual, mut passed) = rule(None);
-    if passed.is_none()
-        && residual <= tol
-        && let Some(tails) = Tails::new(problem.original, &problem.lcp)
-    {
-        passed = rule(Some(&tails)).1;
+    let mut rule = Rule::new(tol, max_abs(problem.original.q()));
+    for i in 0..z.len() {
+        let off = off_by(scaled_z[i], scaled_w[i]);
+        rule.add(Row {
+            equilibrated: [scaled_z[i], scaled_w[i]],
+            caller: [z[i], w[i], m[i]],
+            part: if off == 0.0 { 0.0 } else { off / magnitude[i] },
+            is_tail: tails.is_some_and(|tails| tails.forgive(i, off, magnitude[i])),
+        });
     }
-    Judged { natural_residual: natural_residual(&z, &w), residual, passed, z, w }
+    let passed = rule.passed(slack_error(z.len(), max_abs(&magnitude))).filter(|_| w.iter().all(|w| w.is_finite()));
+    Judged { natural_residual: natural_residual(&z, &w), residual: rule.residual(), passed, z, w }
+}
+
+/// The end of the road for a point that only misses the ends of its tails: solved, where those are forgiven. O(nnz log n).
+#[must_use]
+pub(crate) fn without_tails<P: Rows>(problem: &Equilibrated<'_, P>, solution: Solution, tol: f64) -> Solution {
+    if solution.is_solved() || solution.residual > tol {
+        return solution;
+    }
+    let Some(tails) = Tails::new(problem.original, &problem.lcp) else { return solution };
+    let judged = measure(problem, solution.z.clone(), tol, Some(&tails));
+    let Some(passed) = judged.passed else { return solution };
+    let alpha = support(&judged.z);
+    Solution {
+        verdict: Verdict::of(Evidence::Passed(passed, alpha.clone())),
+        message: format!("solved: residual {:.2e} <= tol {tol:.0e}, tails below rounding cut off", judged.residual),
+        alpha,
+        z: judged.z,
+        w: judged.w,
+        ..solution
+    }
+}
+
+/// Indices of the positive entries.
+fn support(z: &[f64]) -> Vec<usize> {
+    (0..z.len()).filter(|&i| z[i] > 0.0).collect()
 }
 
 /// What speaks against a solution: a Farkas vector among the candidates, a proof that A is not sufficient; else how the method
@@ -352,12 +376,13 @@ mod tests {
         let solved = |a: [f64; 4], q: [f64; 2], z: [f64; 2]| {
             let lcp = Lcp::new(2, a.to_vec(), q.to_vec()).expect("valid");
             let sparse = SparseLcp::from_dense(&lcp);
-            let point = |scaling: &crate::scaling::Scaling| {
-                Candidate::point(scaling.z_from_caller(&z), Termination::Converged, 0)
-            };
             let (dense, sparse) = (Equilibrated::new(&lcp), Equilibrated::new(&sparse));
-            let found = judge(&dense, point(&dense.scaling), Member::Auto, 1e-9).is_solved();
-            assert_eq!(judge(&sparse, point(&sparse.scaling), Member::Auto, 1e-9).is_solved(), found);
+            let candidate = Candidate::point(dense.scaling.z_from_caller(&z), Termination::Converged, 0);
+            let found = judge(&dense, candidate.clone(), Member::Auto, 1e-9);
+            assert!(!found.is_solved());
+            let again = judge(&sparse, candidate, Member::Auto, 1e-9);
+            let found = without_tails(&dense, found, 1e-9).is_solved();
+            assert_eq!(without_tails(&sparse, again, 1e-9).is_solved(), found);
             found
         };
         let dominant = [1.0, -0.5, -0.5, 1.0];

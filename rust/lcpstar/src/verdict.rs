@@ -38,6 +38,8 @@ pub(crate) enum Evidence {
 
 /// An exact statement that says nothing about the problem itself.
 pub(crate) enum Aside {
+    /// An exact solution that no double holds.
+    Solution(ExactSolution),
     /// The direction of z of an exact secondary ray.
     Ray(RationalVec),
     NotSufficient(NotSufficient),
@@ -124,6 +126,7 @@ pub enum Certificate {
 impl From<Aside> for Certificate {
     fn from(aside: Aside) -> Self {
         match aside {
+            Aside::Solution(ExactSolution { alpha, z }) => Self::Solution { alpha, exact: Some(z) },
             Aside::Ray(z_hat) => Self::Ray { z_hat },
             Aside::NotSufficient(found) => Self::NotSufficient(found),
         }

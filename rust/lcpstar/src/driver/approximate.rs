@@ -11,6 +11,7 @@ use crate::methods::{admm, apgd, newton, nncg, pgs, pgs_sm};
 use crate::problem::Lcp;
 use crate::solution::{Candidate, Solution};
 use crate::sparse::SparseLcp;
+use crate::tails::Tails;
 
 /// A method that improves a point from iteration to iteration, and its options.
 #[derive(Clone, Debug)]
@@ -109,7 +110,7 @@ pub(super) fn solve<P: Rows + Iterated>(
 ) -> Solution {
     let (original, target) = (problem.original, &problem.scaling);
     let scaling = target.congruent(original.q());
-    let goal = Goal::new(settings.tol, &scaling, target, original.q());
+    let goal = Goal::new(settings.tol, &scaling, target, original.q()).without_tails(P::tails(problem));
     let z0 = settings.z0.as_deref().map(|z0| scaling.z_from_caller(z0));
     let run = |lcp: &P| method.run(&lcp.matrix(), &goal, z0.as_deref(), control);
     let found = if scaling == *target {
@@ -122,18 +123,29 @@ pub(super) fn solve<P: Rows + Iterated>(
 }
 
 /// A problem whose matrix the iterations know.
-pub(super) trait Iterated {
+pub(super) trait Iterated: Sized {
     /// The matrix as they see it.
     fn matrix(&self) -> impl Matrix;
+    /// The tails that an iteration may cut off.
+    fn tails(problem: &Equilibrated<'_, Self>) -> Option<Tails>;
 }
 
 impl Iterated for Lcp {
+    /// Sweeps and solves carry a tail to its end.
+    fn tails(_: &Equilibrated<'_, Self>) -> Option<Tails> {
+        None
+    }
+
     fn matrix(&self) -> impl Matrix {
         Dense::new(self)
     }
 }
 
 impl Iterated for SparseLcp {
+    fn tails(problem: &Equilibrated<'_, Self>) -> Option<Tails> {
+        Tails::new(problem.original, &problem.lcp)
+    }
+
     fn matrix(&self) -> impl Matrix {
         Sparse::new(self)
     }

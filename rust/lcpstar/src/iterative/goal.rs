@@ -4,6 +4,7 @@ use super::Matrix;
 use crate::linalg::kernels::max_abs;
 use crate::residual::{ABSOLUTE, Row, Rule, off_by};
 use crate::scaling::{Scaling, times_power_of_two};
+use crate::tails::Tails;
 
 /// The residual to reach, measured on the equilibrated problem whatever problem the iteration runs on.
 ///
@@ -17,6 +18,8 @@ pub struct Goal {
     z_caller: Vec<f64>,
     w_caller: Vec<f64>,
     max_q: f64,
+    /// What is forgiven, in the units of the target; none where the end of the road looks after tails.
+    tails: Option<Tails>,
 }
 
 /// The residual of the contract, and its numerator.
@@ -43,7 +46,14 @@ impl Goal {
             z_caller: factors(&|i| scaling.columns[i] - scaling.q),
             w_caller: factors(&|i| -scaling.rows[i] - scaling.q),
             max_q: max_abs(q),
+            tails: None,
         }
+    }
+
+    /// The same goal, where tails are cut off.
+    #[must_use]
+    pub fn without_tails(self, tails: Option<Tails>) -> Self {
+        Self { tails, ..self }
     }
 
     /// The goal of an iteration on the caller's numbers as they are.
@@ -95,12 +105,12 @@ impl Goal {
     fn accepts(&self, z: &[f64], w: &[f64], magnitude: &[f64]) -> bool {
         let mut rule = Rule::new(self.tol, self.max_q);
         for i in 0..z.len() {
-            let off = off_by(z[i], w[i]);
+            let (off, g) = (off_by(z[i], w[i]), factor(&self.w_factor, i));
             rule.add(Row {
-                equilibrated: [z[i] * factor(&self.z_factor, i), w[i] * factor(&self.w_factor, i)],
+                equilibrated: [z[i] * factor(&self.z_factor, i), w[i] * g],
                 caller: [z[i] * self.z_caller[i], w[i] * self.w_caller[i], magnitude[i] * self.w_caller[i]],
                 part: if off == 0.0 { 0.0 } else { off / magnitude[i] },
-                is_tail: false,
+                is_tail: self.tails.as_ref().is_some_and(|tails| tails.forgive(i, off * g, magnitude[i] * g)),
             });
         }
         rule.passed(0.0).is_some()
