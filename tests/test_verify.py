@@ -211,9 +211,9 @@ def test_each_statement_about_a_point_is_checked():
     assert broken([[1]], [1], [-1e-12]) == {"z >= 0"}
     assert broken([[1]], [-1], [1 + 1e-7]) == {rows, small}
     assert broken([[1, 0], [0, 1]], [-1, -1e-12], [1, 0]) == {alone}
-    assert broken([[2.0, 1.0], [1.0, 2.0]], [-5, -6], [1, 0]) == {small, absolute, rows, alone, "w is small on alpha"}
-    assert broken([[1, 0], [0, 1]], [-1, 1], [1, 0], alpha=[0, 1]) == {"w is small on alpha"}
-    assert broken([[1, 0], [0, 1]], [-1, 1], [1, 0], alpha=[]) == {"z_i = 0 outside alpha"}
+    assert broken([[2.0, 1.0], [1.0, 2.0]], [-5, -6], [1, 0]) == {small, absolute, rows, alone}
+    assert broken([[1, 0], [0, 1]], [-1, 1], [1, 0], alpha=[0, 1]) == {"w = 0 on alpha where z = 0"}
+    assert broken([[1, 0], [0, 1]], [-1, 1], [1, 0], alpha=[]) == {"z = 0 outside alpha"}
     assert broken(np.zeros((2, 2)), [0, 0], [0, 0], alpha=[0, 0]) == {"alpha is an index set"}
 
 

@@ -15,7 +15,7 @@ from .report import Check
 
 #: A vector that nearly refutes feasibility has `(A'y)_j` below this part of its terms.
 _NEARLY = 1e-9
-#: A ray comes from linear solves in doubles, and no claim rests on it: it may be off by this part of its largest number.
+#: A ray comes from linear solves in doubles, and no claim rests on it: it may be off by this part of its largest entry.
 _RAY_TOL = 1e-6
 
 
