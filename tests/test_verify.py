@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from fractions import Fraction
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 import lcpstar
 from answers import (
@@ -18,6 +21,7 @@ from answers import (
     SADDLE,
     answer,
     copy,
+    exact_w,
     exponents,
     failed,
     infeasible,
@@ -169,7 +173,61 @@ def test_one_broken_field_is_reported_and_nothing_raises(name):
         assert not verify(A, q, nonsense)
 
 
+def break_one(A, q, sol, i):
+    """Genuine answers with one number or word changed in or at entry i."""
+    step = np.zeros(len(q))
+    step[i] = 1e-6 * (1 + abs(sol.z).max() + abs(sol.w).max())
+    yield copy(sol, z=sol.z + step)
+    yield copy(sol, w=sol.w + step)
+    yield copy(sol, residual=sol.residual + 1e-6)
+    yield copy(sol, natural_residual=sol.natural_residual + step[i])
+    yield copy(sol, success=not sol.success)
+    yield copy(sol, status="infeasible" if sol.success else "solved")
+    if sol.z[i] > 0 or sol.w[i] > 1e-3:
+        yield copy(sol, alpha=sorted({*sol.alpha} ^ {i}))
+    for change in (lambda y: -y - 1, lambda y: y + 10**6) if sol.status == "infeasible" else ():
+        y = list(sol.certificate.y)
+        y[i] = change(y[i])
+        if y[i] < 0 or (np.array(y) @ A > 0).any() or np.dot(q, y) >= 0:
+            yield copy(sol, certificate=replace(sol.certificate, y=y))
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.integers(1, 5), st.integers(0, 2**32 - 1))
+def test_an_answer_of_the_core_with_one_number_changed_is_refused(n, seed):
+    rng = np.random.default_rng(seed)
+    A, q = rng.integers(-3, 4, (n, n)).astype(float), rng.integers(-4, 5, n).astype(float)
+    sol = lcpstar.solve(A, q, method="lemke", certify="exact")
+    assert failed(A, q, sol) == set()
+    for forged in break_one(A, q, sol, seed % n):
+        assert failed(A, q, forged)
+
+
 # numbers
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.integers(0, 2**32 - 1), st.sampled_from([0, 30, 400, 1000]))
+def test_sums_are_exact_up_to_one_rounding(seed, spread):
+    rng = np.random.default_rng(seed)
+    n = int(rng.integers(1, 6))
+
+    def numbers(*shape):
+        return np.ldexp(rng.integers(-3, 4, shape).astype(float), rng.integers(-spread, spread + 1, shape))
+
+    A, x, q = numbers(n, n), numbers(n), numbers(n)
+    with np.errstate(all="ignore"):
+        last = -(A[0] @ x)  # cancels up to rounding
+    q[0] = last if np.isfinite(last) else q[0]
+    problem = read_problem(A, q)
+    for sums in (problem.w(x), problem.w([Fraction(v) for v in x.tolist()])):
+        for i, total in enumerate(exact_w(A, q, x)):
+            unit = Fraction(2) ** int(sums.exponent[i])
+            assert sums.value[i] == float(total / unit) or abs(total / unit) < 2.0**-1000
+            assert (sums.value[i] > 0, sums.value[i] < 0) == (total > 0, total < 0)
+            size = sum(abs(Fraction(a) * Fraction(v)) for a, v in zip(A[i].tolist(), x.tolist(), strict=True))
+            size += abs(Fraction(float(q[i])))
+            assert abs(Fraction(float(sums.size[i])) * unit - size) <= size / 2**48
 
 
 def test_the_equilibration_is_that_of_the_core():
