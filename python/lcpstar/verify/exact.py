@@ -7,7 +7,7 @@ Each is the exact value rounded once. Doubles of ordinary size: a product is spl
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
@@ -59,6 +59,10 @@ class Rationals:
         ratios = [v.as_integer_ratio() for v in (x.tolist() if isinstance(x, np.ndarray) else x)]
         denominator = math.lcm(*{d for _, d in ratios})
         return cls([p * (denominator // d) for p, d in ratios], denominator)
+
+    def sizes(self) -> Rationals:
+        """Without their signs."""
+        return Rationals([abs(p) for p in self.numerators], self.denominator)
 
     def dot(self, other: Rationals) -> Fraction:
         """The sum of the products."""
@@ -122,13 +126,14 @@ class Matrix:
         """`start + A x`; `start` is 0 unless given."""
         start = np.zeros(self.n) if start is None else start
         sums = Sums(np.zeros(self.n), np.zeros(self.n), np.zeros(self.n, dtype=np.int64))
-        exactly: Iterable[int] = range(self.n)
+        exactly = list(range(self.n))
         if isinstance(x, np.ndarray) and isinstance(start, np.ndarray) and isinstance(self.values, np.ndarray):
             exactly = self._add_doubles(self.values, x, start, sums)
-        self._add_integers(exactly, Rationals.of(x), start, sums)
+        if exactly:
+            self._add_integers(exactly, Rationals.of(x), start, sums)
         return sums
 
-    def _add_doubles(self, values: Vector, x: Vector, start: Vector, sums: Sums) -> Iterable[int]:
+    def _add_doubles(self, values: Vector, x: Vector, start: Vector, sums: Sums) -> list[int]:
         """Fills in the rows whose numbers are of ordinary size, and returns the others."""
         ordinary = np.abs(start) < _LARGE
         used = x[self.columns] != 0.0
@@ -150,9 +155,9 @@ class Matrix:
             size = np.bincount(rows, np.abs(product), last - first) + np.abs(start[first:last])
             sums.value[first + good], sums.size[first + good] = block[good], size[good]
             first = last
-        return np.flatnonzero(~ordinary).tolist()
+        return [int(i) for i in np.flatnonzero(~ordinary)]
 
-    def _add_integers(self, rows: Iterable[int], x: Rationals, start: Numbers, sums: Sums) -> None:
+    def _add_integers(self, rows: list[int], x: Rationals, start: Numbers, sums: Sums) -> None:
         for i in rows:
             total, size = self._exact(i, x, start[i])
             e = size.numerator.bit_length() - size.denominator.bit_length() if size else 0
@@ -165,11 +170,8 @@ class Matrix:
         columns, values = self.row(i)
         row = Rationals.of(values)
         used = Rationals([x.numerators[j] for j in columns], x.denominator)
-        sizes = Rationals([abs(v) for v in row.numerators], row.denominator).dot(
-            Rationals([abs(v) for v in used.numerators], used.denominator)
-        )
         start = Fraction(*start.as_integer_ratio())
-        return row.dot(used) + start, sizes + abs(start)
+        return row.dot(used) + start, row.sizes().dot(used.sizes()) + abs(start)
 
     def entry_of_product(self, i: int, x: Rationals) -> Fraction:
         """`(A x)_i` as a rational number."""
