@@ -83,6 +83,20 @@ def test_each_statement_about_a_farkas_vector_is_checked():
         assert broken(-1, 1, [1], **options) == {"exact q'y < 0"}
 
 
+def test_exact_vectors_may_leave_the_range_of_doubles():
+    A, q = np.array([[0.0, -1.0], [-1.0, 0.0]]), np.array([-1.0, -1.0])
+    for unit in (Fraction(10**400), Fraction(1, 10**400)):
+        for y, names in (([unit, 1], set()), ([unit, -1], {"exact y >= 0"}), ([-unit, 2], {"exact y >= 0"})):
+            certificate = Certificate("infeasible", exact=True, y=y)
+            assert failed(A, q, answer(A, q, [0, 0], "infeasible", certificate=certificate)) >= names
+            assert bool(verify(A, q, answer(A, q, [0, 0], "infeasible", certificate=certificate))) == (not names)
+    # (A'y)_1 = 1 - (1 +- 10^-400): rounded it is 0, and its sign decides.
+    for sign in (1, -1):
+        proof = Certificate("infeasible", exact=True, y=[Fraction(1), 1 + sign * Fraction(1, 10**400)])
+        sol = answer([[1, 0], [-1, 0]], [0, -1], [0, 0], "infeasible", certificate=proof)
+        assert bool(verify([[1, 0], [-1, 0]], [0, -1], sol)) == (sign == 1)
+
+
 def test_a_farkas_vector_up_to_rounding_is_none():
     """A P-matrix: every LCP has a solution, this one (5e8, 5e8) about."""
     P = np.array([[1.0, -1.0], [-1 + 1e-9, 1 + 1e-9]])

@@ -32,7 +32,7 @@ def to_double(x: Fraction) -> float:
     try:
         return float(x)
     except OverflowError:
-        return math.copysign(math.inf, x)
+        return math.inf if x > 0 else -math.inf
 
 
 def as_doubles(x: Numbers) -> Vector:
@@ -163,7 +163,8 @@ class Matrix:
             e = size.numerator.bit_length() - size.denominator.bit_length() if size else 0
             scale = Fraction(2) ** -e
             value = to_double(total * scale)
-            sums.value[i] = value if value or not total else math.copysign(math.ulp(0.0), total)
+            least = math.ulp(0.0) if total > 0 else -math.ulp(0.0)
+            sums.value[i] = value if value or not total else least
             sums.size[i], sums.exponent[i] = to_double(size * scale), e
 
     def _exact(self, i: int, x: Rationals, start: Any) -> tuple[Fraction, Fraction]:

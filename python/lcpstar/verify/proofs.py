@@ -86,8 +86,8 @@ def check_ray(problem: Problem, ray: Direction) -> list[Check]:
     scaling, A = problem.scaling, problem.A
     d = times_powers_of_two(ray.d, scaling.rows)
     w_hat = A.times(ray.z_hat, _add(np.zeros(problem.n), ray.d, ray.z0_hat))
-    stated = times_powers_of_two(ray.w_hat, -w_hat.exponent)
     z_hat, z0_hat, scaled = scaling.direction(ray.z_hat), d * ray.z0_hat, w_hat.doubles(scaling.rows)
+    stated = times_powers_of_two(ray.w_hat, scaling.rows)
     room_hat = _room(z_hat, z0_hat)
     w = A.times(ray.z, _add(problem.q, ray.d, ray.z0)).doubles(scaling.rows + scaling.q)
     z, z0 = scaling.z(ray.z), times_powers_of_two(d * ray.z0, scaling.q)
@@ -95,7 +95,7 @@ def check_ray(problem: Problem, ray: Direction) -> list[Check]:
     return [
         Check("z_hat >= 0, not zero", bool(np.all(z_hat >= -room_hat) and np.any(z_hat > room_hat))),
         Check("z0_hat >= 0", bool(np.all(z0_hat >= -room_hat))),
-        Check("w_hat = A z_hat + d z0_hat", bool(np.all(np.abs(w_hat.value - stated) <= _RAY_TOL * w_hat.size))),
+        Check("w_hat = A z_hat + d z0_hat", bool(np.all(np.abs(scaled - stated) <= room_hat))),
         Check("w_hat >= 0", bool(np.all(scaled >= -room_hat))),
         Check("z_hat'w_hat = 0", bool(np.all(np.minimum(z_hat, scaled) <= room_hat))),
         Check("A z + q + d z0 >= 0 where the ray starts", bool(np.all(w >= -room))),
