@@ -22,8 +22,9 @@ from ..coerce import Matrix, Vector
 from .contact import WORLD, Contacts, Indices
 from .friction import facet_directions, on_facets, with_sliding_speeds
 from .islands import islands
-from .rotation import free_spin, rotate
-from .rows import Masses, Rows, contact_rows, joint_rows
+from .joints import Projector, dense_rows, joint_rows
+from .rotation import free_spin
+from .rows import Masses, Rows, contact_rows
 from .scene import Scene
 
 
@@ -31,8 +32,8 @@ from .scene import Scene
 class Stepping:
     """How a step of `dt` seconds is put into numbers.
 
-    `facets` of the friction cone (in space; the plane needs two). `stabilisation`: the fraction of a penetration,
-    and of a joint's error, that one step takes back. `bounce_speed` [m/s]: slower contacts do not bounce. `reach`:
+    `facets` of the friction cone (in space; the plane needs two). `stabilisation`: the fraction of a penetration that
+    one step takes back. `bounce_speed` [m/s]: slower contacts do not bounce. `reach`:
     contacts that would part faster than `reach * dt * |g|` without impulses are left out at first, and put back if
     they act.
     """
@@ -87,14 +88,13 @@ class System:
         self.normals, self.tangents = contact_rows(scene, self.masses, contacts)
         self.directions = facet_directions(settings.facets, scene.planar)
         self.T = self.directions.shape[1]
-        self.joints, apart = joint_rows(scene, self.masses, scene.joints)
+        self.joints, _ = joint_rows(scene, self.masses)
         self.jointed = np.zeros(len(scene), dtype=bool)
         self.jointed[self.joints.bodies[self.joints.bodies >= 0]] = True
         self.per_joint = 2 if scene.planar else 3
         self.u = self.masses.pack(scene.velocity, scene.angular_velocity)
         self.free = self._free_velocity()
-        self._projectors: dict[bytes, _Projector] = {}
-        self.joint_target = settings.stabilisation / settings.dt * apart
+        self._projectors: dict[bytes, Projector] = {}
         self.b = self._targets()
         self.error = np.zeros_like(self.u) if error is None else error
         self.at_rest = self._without_noise(self.normals, self.free, self.b)  # w_n without impulses
@@ -210,24 +210,16 @@ class System:
         With the joint rows G: `S_j (I - G'(G G')^+ G) S_j'` is the Schur complement of the joints' block.
         """
         projector = self._projector(joints)
-        dense = _dense(bodies, S, projector.places)
+        dense = dense_rows(bodies, S, projector.places)
         V = projector.V
         return dense - (dense @ V.T) @ V, projector.velocity(self.free)
 
-    def _projector(self, joints: Indices) -> _Projector:
+    def _projector(self, joints: Indices) -> Projector:
         key = joints.tobytes()
         if key not in self._projectors:
             picked = (self.per_joint * joints[:, None] + np.arange(self.per_joint)).ravel()
-            rows = Rows(self.joints.bodies[picked], self.joints.J[picked])
-            self._projectors[key] = _Projector(rows, self.masses, self.joint_target[picked])
+            self._projectors[key] = Projector(Rows(self.joints.bodies[picked], self.joints.J[picked]), self.masses)
         return self._projectors[key]
-
-    def unpack(self, u: Matrix) -> tuple[Matrix, Matrix]:
-        """Velocities and angular velocities (n, 3) in the world's axes."""
-        if not self.scene.planar:
-            return u[:, :3].copy(), rotate(self.masses.R, u[:, 3:])
-        none = np.zeros(len(u))
-        return np.stack([u[:, 0], none, u[:, 1]], axis=1), np.stack([none, u[:, 2], none], axis=1)
 
     def rounding(self, solved: Sequence[tuple[Island, Vector]]) -> Matrix:
         """Bounds (n, D) of the rounding errors in `velocity`.
@@ -267,43 +259,6 @@ class System:
                 projector = self._projector(island.joints)
                 u[projector.bodies] = projector.velocity(u)[projector.bodies]
         return u
-
-
-class _Projector:
-    """Velocities that satisfy the joint rows `J u = -target`, nearest in the mass metric."""
-
-    def __init__(self, rows: Rows, masses: Masses, target: Vector) -> None:
-        self.bodies = np.unique(rows.bodies[rows.bodies >= 0])
-        self.places = np.full(len(masses.root) + 1, -1, dtype=np.intp)
-        self.places[self.bodies] = np.arange(len(self.bodies))
-        self.root = masses.root
-        G = _dense(rows.bodies, rows.J * masses.root[rows.bodies], self.places)
-        scale = np.sqrt((G * G).sum(axis=1))  # rows of very different masses weigh the same
-        scale = np.where(scale > 0, scale, 1.0)
-        U, sigma, V = np.linalg.svd(G / scale[:, None], full_matrices=False)
-        rank = int((sigma > len(G) * np.finfo(float).eps * sigma.max(initial=0.0)).sum())
-        self.V = V[:rank]
-        self.shift = -((U[:, :rank].T @ (target / scale)) / sigma[:rank]) @ self.V
-
-    def velocity(self, u: Matrix) -> Matrix:
-        """`u`, corrected on the jointed bodies."""
-        out = u.copy()
-        root = self.root[self.bodies]
-        scaled = (u[self.bodies] / root).ravel()
-        scaled = scaled - (scaled @ self.V.T) @ self.V + self.shift
-        out[self.bodies] = scaled.reshape(len(self.bodies), -1) * root
-        return out
-
-
-def _dense(bodies: Indices, S: Matrix, places: Indices) -> Matrix:
-    """Rows S (r, 2, D) as a matrix over the bodies that have a place; entries of others are dropped."""
-    D = S.shape[2]
-    out = np.zeros((len(S), int(places.max(initial=-1)) + 1, D))
-    for side in range(2):
-        at = places[bodies[:, side]]
-        on = np.flatnonzero((bodies[:, side] >= 0) & (at >= 0))
-        out[on, at[on]] += S[on, side]
-    return out.reshape(len(S), out.shape[1] * D)
 
 
 def _gram(bodies: Indices, S: Matrix, ends: Indices) -> list[Matrix]:

@@ -17,8 +17,9 @@ class StepRecord:
     """One step: the LCPs it needed, how they were solved, and what the answers are worth.
 
     `rows` of all LCPs together, the order of the `largest`, `islands` solved, bodies `asleep`; `methods` that answered;
-    `residual` and `natural_residual` the worst of all islands. `energy` [J] after the step. `seconds` for the whole
-    step, `solve_seconds` for assembling and solving the LCPs.
+    `residual` and `natural_residual` the worst of all islands. After the step: `energy` [J], and `joint_error` [m], how
+    far the two anchors of a joint are apart at most. `seconds` for the whole step, `solve_seconds` for assembling and
+    solving the LCPs.
     """
 
     time: float
@@ -33,6 +34,7 @@ class StepRecord:
     natural_residual: float
     errors: PhysicalErrors
     energy: float
+    joint_error: float
     solve_seconds: float
     seconds: float
 
@@ -41,7 +43,7 @@ class History:
     """Records of the steps of a run, and the positions before and after each step (steps + 1, n, 3).
 
     Every number of a record is an array over the steps: `rows`, `islands`, `solved`, `residual`, `seconds`, `energy`,
-    `penetration`, `penetration_velocity`, `cone_violation`, `signorini`, `dissipation`, `joint_velocity`, ... with the
+    `penetration`, `penetration_velocity`, `cone_violation`, `signorini`, `dissipation`, `joint_error`, ... with the
     units of `StepRecord` and `PhysicalErrors`.
     """
 
@@ -98,6 +100,7 @@ class History:
             f"step              {np.median(ms):.2f} ms median, {ms.max():.2f} ms longest",
             f"drift             {self.drift().max():.3g} m, energy {self.energy_drift[-1]:+.3g} J",
             f"penetration       {self.penetration.max():.2g} m, {self.penetration_velocity.max():.2g} m/s",
+            f"joints            {self.joint_error.max():.2g} m, {self.joint_velocity.max():.2g} m/s",
             f"cone violation    {self.cone_violation.max():.2g} N s",
             f"Signorini         {self.signorini.max():.2g} J, dissipation {self.dissipation.max():.2g} J",
         ]

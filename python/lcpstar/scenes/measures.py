@@ -45,7 +45,7 @@ def physical_errors(system: System, solved: Sequence[tuple[Island, Vector]], u: 
     speed, force = np.sqrt(dot(sliding, sliding)), np.sqrt(dot(p, p))
     limit = contacts.friction * c
     lost = limit * speed + dot(p, sliding)
-    missed = np.abs(system.joints.times(u) + system.joint_target)
+    missed = np.abs(system.joints.times(u))
     return PhysicalErrors(
         _largest(-contacts.gap),
         _largest(-w[awake]),

@@ -1,4 +1,4 @@
-"""Rows of a scene's Jacobian: one per contact normal, contact tangent and joint direction, each on two bodies.
+"""Rows of a scene's Jacobian: each on two bodies, and the masses that go with them.
 
 A body's velocity is `u = (v, R' omega)`, angular part in its own axes, so that the mass matrix is diagonal; planar
 scenes keep three of the six columns. With `S = J M^(-1/2)` the matrix of a contact problem is `S S'`, symmetric to the
@@ -14,8 +14,8 @@ import numpy as np
 
 from ..coerce import Matrix, Vector
 from .contact import WORLD, Contacts, Indices
-from .rotation import cross, dot, rotate_back, rotations
-from .scene import Joint, Scene
+from .rotation import cross, dot, rotate, rotate_back, rotations
+from .scene import Scene
 
 _PLANAR = np.array([0, 2, 4])
 
@@ -65,6 +65,13 @@ class Masses:
         both = np.concatenate([velocity, rotate_back(self.R, angular_velocity)], axis=1)
         return both[:, self.columns]
 
+    def unpack(self, u: Matrix) -> tuple[Matrix, Matrix]:
+        """Velocities and angular velocities (n, 3) in the world's axes."""
+        if len(self.columns) == 6:
+            return u[:, :3].copy(), rotate(self.R, u[:, 3:])
+        none = np.zeros(len(u))
+        return np.stack([u[:, 0], none, u[:, 1]], axis=1), np.stack([none, u[:, 2], none], axis=1)
+
     @cached_property
     def movable(self) -> np.ndarray:
         """Which bodies can move."""
@@ -85,35 +92,6 @@ def contact_rows(scene: Scene, masses: Masses, contacts: Contacts) -> tuple[Rows
     both = np.stack([t1, cross(n, t1)], axis=1).reshape(-1, 3)
     bodies, point = np.repeat(contacts.bodies, 2, axis=0), np.repeat(contacts.point, 2, axis=0)
     return normals, directed_rows(scene, masses, bodies, point, point, both)
-
-
-def joint_rows(scene: Scene, masses: Masses, joints: tuple[Joint, ...]) -> tuple[Rows, Vector]:
-    """Rows of the joints (two each in the plane, three in space) and by how much each is apart [m]."""
-    bodies = np.array([j.bodies for j in joints], dtype=np.intp).reshape(-1, 2)
-    anchors = np.array([j.anchors for j in joints], dtype=float).reshape(-1, 2, 3)
-    at = []
-    for side in range(2):
-        body = bodies[:, side]
-        world = (body == WORLD)[:, None]
-        turned = _rotated(masses.R, body, anchors[:, side]) + scene.position[body]
-        at.append(np.where(world, anchors[:, side], turned))
-    directions = np.eye(3)[[0, 2]] if scene.planar else np.eye(3)
-    m = len(directions)
-    apart = (at[0] - at[1]) @ directions.T
-    rows = directed_rows(
-        scene,
-        masses,
-        np.repeat(bodies, m, axis=0),
-        np.repeat(at[0], m, axis=0),
-        np.repeat(at[1], m, axis=0),
-        np.tile(directions, (len(joints), 1)),
-    )
-    return rows, apart.ravel()
-
-
-def _rotated(R: Matrix, body: Indices, anchor: Matrix) -> Matrix:
-    Q = R[body]
-    return np.asarray(Q[:, :, 0] * anchor[:, 0:1] + Q[:, :, 1] * anchor[:, 1:2] + Q[:, :, 2] * anchor[:, 2:3])
 
 
 def directed_rows(scene: Scene, masses: Masses, bodies: Indices, at: Matrix, other: Matrix, direction: Matrix) -> Rows:

@@ -165,15 +165,15 @@ class Scene:
             setattr(other, name, getattr(self, name).copy())
         return other
 
-    def subset(self, which: Sequence[int] | Indices) -> Scene:
-        """Those bodies in that order, in their present state, with the joints that lie among them (or the world)."""
+    def subset(self, which: Sequence[int] | Indices, joints: Sequence[Joint] | None = None) -> Scene:
+        """Those bodies in that order, in their present state, with the joints (or `joints`) among them or the world."""
         keep = np.asarray(which, dtype=np.intp)
         place = {int(k): i for i, k in enumerate(keep)} | {WORLD: WORLD}
         other = copy.copy(self)
         other.bodies = tuple(self.bodies[k] for k in keep)
         other.joints = tuple(
             Joint((place[j.bodies[0]], place[j.bodies[1]]), j.anchors)
-            for j in self.joints
+            for j in (self.joints if joints is None else joints)
             if j.bodies[0] in place and j.bodies[1] in place
         )
         for name in (*_STATE, "mass", "inertia", "friction", "restitution", "radius", "corners", "corner_count"):

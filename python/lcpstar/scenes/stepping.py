@@ -16,6 +16,7 @@ from .body import positive
 from .collide import find_contacts, margins, motion
 from .contact import Contacts, Indices
 from .history import History, StepRecord
+from .joints import close_joints, joint_errors
 from .measures import PhysicalErrors, physical_errors
 from .rotation import dot, turn
 from .scene import Scene
@@ -76,6 +77,7 @@ class Stepper:
         """One step: changes the scene's state and returns what happened. `contacts` and `islands` keep the problems."""
         start = time.perf_counter()
         scene, dt = self.scene, self.stepping.dt
+        close_joints(scene)  # what the caller has moved apart
         margin = margins(scene, dt)
         solve_seconds = 0.0
         limit = self.solving.time_limit
@@ -87,7 +89,7 @@ class Stepper:
             started = time.perf_counter()
             solved, asleep, u = self._solve(system, deadline)
             solve_seconds += time.perf_counter() - started
-            moved = motion(scene, *system.unpack(u), dt)
+            moved = motion(scene, *system.masses.unpack(u), dt)
             shot = moved > margin  # impulses made it faster than contacts were looked for
             if not shot.any() or _over(deadline):
                 break
@@ -171,9 +173,11 @@ class Stepper:
 
     def _move(self, system: System, u: Matrix, asleep: NDArray[np.bool_]) -> None:
         scene, dt = self.scene, self.stepping.dt
-        scene.velocity, scene.angular_velocity = system.unpack(u)
+        scene.velocity, scene.angular_velocity = system.masses.unpack(u)
         scene.position = scene.position + dt * scene.velocity
         scene.orientation = turn(scene.orientation, scene.angular_velocity, dt)
+        shift, turns = close_joints(scene)
+        scene.velocity, scene.angular_velocity = scene.velocity + shift / dt, scene.angular_velocity + turns / dt
         scene.time += dt
         if self.sleep_speed > 0:
             speed = np.sqrt(dot(scene.velocity, scene.velocity))
@@ -207,6 +211,7 @@ def _record(
         natural_residual=max((answer.natural_residual for answer in answers), default=0.0),
         errors=errors,
         energy=scene.energy(),
+        joint_error=float(joint_errors(scene).max(initial=0.0)),
         solve_seconds=solve_seconds,
         seconds=seconds,
     )
@@ -246,7 +251,7 @@ def run(
     facets : int
         Of the friction cone in space. In a planar scene two are exact, and this is ignored.
     stabilisation : float in [0, 1]
-        Fraction of a penetration and of a joint's error that one step takes back.
+        Fraction of a penetration that one step takes back.
     bounce_speed : float [m/s]
         Slower impacts do not bounce.
     reach : float
