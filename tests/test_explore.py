@@ -150,7 +150,7 @@ def test_claims_that_cannot_be_read(claim, text):
         ({"threads": 0}, "threads must be at least 1"),
         ({"threads": "two"}, "threads must be an integer"),
         ({"time_limit": "1"}, "time_limit must be a real number"),
-        ({"time_limit": float("nan")}, "time_limit must be a number"),
+        ({"time_limit": float("nan")}, "time_limit must be nonnegative, got nan"),
         ({"stop_at_first": 1}, "stop_at_first must be True or False"),
         ({"resume": {}}, "resume must be a state"),
         ({"resume": "x"}, "resume must be a state"),

@@ -8,7 +8,8 @@ from typing import Any
 from numpy.typing import ArrayLike
 
 from . import _core
-from .coerce import as_matrix, as_vector
+from .coerce import as_matrix, as_vector, check_finite
+from .errors import ShapeError
 from .sparse import as_rows, is_sparse
 
 
@@ -63,7 +64,11 @@ def accuracy(A: ArrayLike, q: ArrayLike, sol: Any) -> Accuracy:
     >>> abs(sol.z - 2).max() <= found.error_bound < 0.01
     np.True_
     """
-    z = as_vector("z", getattr(sol, "z", sol))
+    z = as_vector("sol.z", getattr(sol, "z", sol))
+    rhs = as_vector("q", q)
+    check_finite("sol.z", z)
+    if len(z) != len(rhs):
+        raise ShapeError(f"sol.z must have length {len(rhs)}, as q, got {len(z)}")
     if is_sparse(A):
-        return Accuracy(*_core.accuracy_sparse(*as_rows(A, q), z))
-    return Accuracy(*_core.accuracy(as_matrix("A", A), as_vector("q", q), z))
+        return Accuracy(*_core.accuracy_sparse(*as_rows(A, rhs), z))
+    return Accuracy(*_core.accuracy(as_matrix("A", A), rhs, z))

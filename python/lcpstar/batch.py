@@ -5,14 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from types import NoneType
 from typing import Any, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _core
-from .coerce import as_matrix, as_real, as_vector
-from .errors import OptionError, ShapeError
+from .coerce import MAX_THREADS, as_count, as_matrix, as_number, as_real, as_text, as_vector, check_finite
+from .errors import DTypeError, OptionError, OptionTypeError, ShapeError
 from .result import Status
 
 _STATUS = np.array(list(Status), dtype=object)
@@ -162,9 +163,7 @@ def solve_batch(
     >>> sols.success.all(), sols.z.round(4).tolist()
     (np.True_, [[1.3333, 2.3333], [0.0, 1.0]])
     """
-    count = 0 if threads is None else threads
-    if threads is not None and threads < 1:
-        raise OptionError(f"threads must be positive, got {threads}")
+    count = 0 if threads is None else min(as_count("threads", threads, least=1), MAX_THREADS)
     if z0 is not None and alpha0 is not None:
         raise OptionError("z0 and alpha0 are both guesses of the support: give one of them")
     options = _Options(method, tol, count)
@@ -253,19 +252,24 @@ def _uniform(
     sols = _results(out, lead, (*lead, n), masks=n <= 64)
     if out is not None and guess is not None and any(np.may_share_memory(guess, x) for x in (out.z, out.alpha)):
         guess = guess.copy()
-    _core.solve_batch(
-        n,
-        _contiguous(A),
-        _contiguous(q),
-        math.prod(lead),
-        _map(A.shape[:-2], lead),
-        _map(q.shape[:-1], lead),
-        options.method,
-        options.tol,
-        options.threads,
-        guess,
-        sols._arrays(),
-    )
+    try:
+        _core.solve_batch(
+            n,
+            _contiguous(A),
+            _contiguous(q),
+            math.prod(lead),
+            _map(A.shape[:-2], lead),
+            _map(q.shape[:-1], lead),
+            options.method,
+            options.tol,
+            options.threads,
+            guess,
+            sols._arrays(),
+        )
+    except TypeError:  # which argument the core did not take is asked afterwards: the usual types pay nothing
+        as_text("method", options.method)
+        as_number("tol", options.tol)
+        raise
     return sols
 
 
@@ -287,6 +291,8 @@ def _results(
         "natural_residual": (lead, _DOUBLE),
         "alpha": (lead, _MASK) if masks else (points, _FLAG),
     }
+    if not isinstance(out, (BatchSolution, NoneType)):
+        raise OptionTypeError(f"out must be a BatchSolution, got {type(out).__name__}")
     if out is None:
         return BatchSolution(**{name: np.empty(*kind) for name, kind in layout.items()}, offsets=offsets)
     for name, (shape, dtype) in layout.items():
@@ -315,16 +321,26 @@ def _map(own: tuple[int, ...], lead: tuple[int, ...]) -> NDArray[np.uintp] | Non
 def _guess(z0: Any, alpha0: ArrayLike | None, lead: tuple[int, ...], n: int) -> Guess | None:
     if z0 is not None:
         points = as_real("z0", z0)
+        check_finite("z0", points)
         return np.ascontiguousarray(_broadcast("z0", points, (*lead, n)))
     if alpha0 is None:
         return None
-    alpha = np.asarray(alpha0)
+    alpha = _as_array("alpha0", alpha0)
     if alpha.dtype == np.bool_:
         return np.ascontiguousarray(_broadcast("alpha0", alpha, (*lead, n)))
     if alpha.dtype.kind not in "iu" or n > 64:
         raise ShapeError(f"alpha0 must be booleans (..., {n}), or bit masks for n <= 64; got dtype {alpha.dtype}")
+    if alpha.dtype.kind == "i" and (alpha < 0).any():
+        raise OptionError(f"alpha0 must hold bit masks, got {alpha.min()}")
     masks = alpha.astype(np.uint64, copy=False)
     return np.ascontiguousarray(_broadcast("alpha0", masks, lead))
+
+
+def _as_array(name: str, value: ArrayLike) -> NDArray[Any]:
+    try:
+        return np.asarray(value)
+    except ValueError as error:
+        raise ShapeError(f"{name} is ragged: {error}") from error
 
 
 def _broadcast(name: str, array: NDArray[Any], shape: tuple[int, ...]) -> NDArray[Any]:
@@ -357,6 +373,8 @@ def _ragged(
     offsets = np.cumsum([0, *map(len, vectors)])
     guess = None
     if z0 is not None:
+        if not isinstance(z0, (list, tuple, np.ndarray)):
+            raise DTypeError(f"z0 must be a list of vectors, got {type(z0).__name__}")
         points = [as_vector(f"z0[{k}]", point) for k, point in enumerate(z0)]
         if [len(point) for point in points] != [len(vector) for vector in vectors]:
             raise ShapeError("z0 must hold one vector for each problem, of its order")
@@ -378,7 +396,7 @@ def _flat(
     out: BatchSolution | None,
 ) -> BatchSolution:
     """Problems of one order are solved together; results go to their places in flat arrays."""
-    starts = np.asarray(offsets)
+    starts = _as_array("offsets", offsets)
     if starts.ndim != 1 or len(starts) == 0 or starts.dtype.kind not in "iu":
         raise ShapeError(f"offsets must be a vector of integers, got shape {starts.shape} and dtype {starts.dtype}")
     starts = starts.astype(np.intp, copy=False)
@@ -391,7 +409,7 @@ def _flat(
     if A.shape != (blocks[-1],):
         raise ShapeError(f"A must have shape ({blocks[-1]},) to fit offsets, got {A.shape}")
     point = None if z0 is None else _broadcast("z0", as_real("z0", z0), q.shape)
-    support = None if alpha0 is None else np.asarray(alpha0)
+    support = None if alpha0 is None else _as_array("alpha0", alpha0)
     if support is not None and (support.dtype != np.bool_ or support.shape != q.shape):
         raise ShapeError(f"alpha0 must be booleans of shape {q.shape}, got {support.dtype} {support.shape}")
     count, total = len(orders), int(starts[-1])

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import math
 import operator
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .errors import DTypeError, NotFiniteError, OptionError, OptionTypeError, ShapeError
+from .errors import DTypeError, IndexSetError, NotFiniteError, OptionError, OptionTypeError, ShapeError
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
@@ -24,13 +24,10 @@ MAX_SEED, MAX_THREADS = 2**64 - 1, 1024
 
 
 def as_number(name: str, value: Any) -> float:
-    """A real number, not a boolean; NaN is not."""
+    """A real number, not a boolean. Its range is checked by who uses it."""
     if isinstance(value, (bool, np.bool_, str, bytes, complex)) or not hasattr(value, "__float__") or np.ndim(value):
         raise OptionTypeError(f"{name} must be a real number, got {_shown(value)}")
-    number = float(value)
-    if math.isnan(number):
-        raise OptionError(f"{name} must be a number, got nan")
-    return number
+    return float(value)
 
 
 def as_count(name: str, value: Any, least: int = 0, largest: int | None = None) -> int:
@@ -43,7 +40,7 @@ def as_count(name: str, value: Any, least: int = 0, largest: int | None = None) 
         raise OptionError(f"{name} must be {rule}, got {count}")
     if largest is not None and count > largest:
         raise OptionError(f"{name} must be at most {largest}, got {count}")
-    return min(count, _LARGEST)
+    return min(count, _LARGEST) if largest is None else count
 
 
 def as_flag(name: str, value: Any) -> bool:
@@ -60,12 +57,24 @@ def as_text(name: str, value: Any) -> str:
     return value
 
 
+def as_indices(name: str, value: Any) -> tuple[int, ...]:
+    """An index set; one index may stand alone. Its range is checked by the core."""
+    if isinstance(value, (str, bytes)) or np.ndim(value) > 1:
+        raise OptionTypeError(f"{name} must hold indices, got {_shown(value)}")
+    entries = list(value) if isinstance(value, Iterable) else [value]
+    indices = tuple(as_count(f"{name}[{k}]", i, least=-_LARGEST) for k, i in enumerate(entries))
+    for i in indices:
+        if i == _LARGEST:
+            raise IndexSetError(f"{name} must hold indices of A, got one beyond 2^63")
+    return indices
+
+
 def as_seconds(name: str, value: Any) -> float | None:
     """A time limit, None for none: infinity is none, and so is one longer than a life."""
     if value is None:
         return None
     seconds = as_number(name, value)
-    if seconds < 0:
+    if not seconds >= 0:
         raise OptionError(f"{name} must be nonnegative, got {seconds:g}")
     return seconds if seconds < _FOREVER else None
 
@@ -111,7 +120,7 @@ def _as_float64(name: str, value: ArrayLike) -> NDArray[np.float64]:
     except ValueError as error:
         raise ShapeError(f"{name} is ragged: {error}") from error
     if array.dtype.kind not in "fiubO" or (array.dtype.kind == "O" and not _holds_numbers(array)):
-        raise DTypeError(_not_real(name, array))
+        raise DTypeError(_not_real(name, value, array))
     try:
         with np.errstate(
             over="ignore"
@@ -125,7 +134,7 @@ def _as_float64(name: str, value: ArrayLike) -> NDArray[np.float64]:
 
 
 def _holds_numbers(array: NDArray[Any]) -> bool:
-    return all(isinstance(x, (int, float)) and not isinstance(x, bool) for x in array.flat)
+    return all(isinstance(x, (int, float)) for x in array.flat)
 
 
 def check_integers(name: str, given: Any, converted: NDArray[np.float64]) -> None:
@@ -141,11 +150,21 @@ def check_integers(name: str, given: Any, converted: NDArray[np.float64]) -> Non
             raise DTypeError(f"{name} must hold doubles, got {_entry(name, index)} = {int(x)}, which is none")
 
 
-def _not_real(name: str, array: NDArray[Any]) -> str:
-    for index in np.ndindex(array.shape):
-        if array.dtype.kind != "O" or isinstance(array[index], bool) or not isinstance(array[index], (int, float)):
-            return f"{name} must hold real numbers, got dtype {array.dtype}: {_entry(name, index)} = {array[index]!r}"
-    return f"{name} must hold real numbers, got dtype {array.dtype}"
+def check_finite(name: str, array: NDArray[np.float64]) -> None:
+    """For what the core does not look at."""
+    finite = np.isfinite(array)
+    if not finite.all():
+        index = tuple(int(i) for i in np.argwhere(~finite)[0])
+        raise NotFiniteError(f"{name} must be finite, got {_entry(name, index)} = {array[index]}")
+
+
+def _not_real(name: str, value: Any, array: NDArray[Any]) -> str:
+    entries = array if isinstance(value, np.ndarray) else np.asarray(value, dtype=object)
+    strange = (i for i in np.ndindex(entries.shape) if not isinstance(entries[i], (int, float, np.number, np.bool_)))
+    imaginary = (i for i in np.ndindex(array.shape) if array.dtype.kind == "c" and array[i].imag)
+    index = next(strange, None) or next(imaginary, None)
+    found = "" if index is None else f": {_entry(name, index)} = {entries[index]!r}"
+    return f"{name} must hold real numbers, got dtype {array.dtype}{found}"
 
 
 def _entry(name: str, index: tuple[int, ...]) -> str:

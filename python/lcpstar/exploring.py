@@ -163,6 +163,7 @@ def explore(
     limit = as_seconds("time_limit", time_limit)
     up_to_permutation = as_flag("up_to_permutation", up_to_permutation)
     stop_at_first = as_flag("stop_at_first", stop_at_first)
+    progress = progress if callable(progress) else as_flag("progress", progress)
     chunk = 256
     while not done.complete:
         left = None if limit is None else limit - (time.perf_counter() - start)

@@ -8,8 +8,7 @@ from numpy.typing import ArrayLike
 
 from . import _core
 from ._core import Solution
-from .coerce import Vector, as_matrix, as_vector
-from .errors import OptionError
+from .coerce import Vector, as_count, as_flag, as_matrix, as_number, as_vector
 from .options import PotentialReductionOptions
 
 
@@ -108,8 +107,7 @@ def potential_reduction(
     >>> run.success, run.z.round(4).tolist(), round(run.trace[0].psi, 4)
     (True, [1.0714, 1.5714, 2.4286], 29.3308)
     """
-    if max_iterations < 0:
-        raise OptionError(f"max_iterations must be nonnegative, got {max_iterations}")
+    limit, eps, trace = as_count("max_iterations", max_iterations), as_number("eps", eps), as_flag("trace", trace)
     options = PotentialReductionOptions(
         beta=beta,
         gamma=gamma,
@@ -120,4 +118,4 @@ def potential_reduction(
         long_step=long_step,
     )
     start = None if z0 is None else as_vector("z0", z0)
-    return _core.potential_reduction(as_matrix("A", A), as_vector("q", q), start, eps, max_iterations, options, trace)
+    return _core.potential_reduction(as_matrix("A", A), as_vector("q", q), start, eps, limit, options, trace)

@@ -2,17 +2,42 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
+from typing import Any
 
 from numpy.typing import ArrayLike
 
-from .coerce import as_vector
-from .errors import OptionError
+from .coerce import MAX_SEED, as_count, as_flag, as_indices, as_number, as_text, as_vector
+
+_COUNT_FROM_ONE, _SEED = partial(as_count, least=1), partial(as_count, largest=MAX_SEED)
+
+#: What the fields hold, whatever class they are in. The core checks ranges.
+_FIELDS: dict[str, Callable[[str, Any], Any]] = {
+    "d": as_vector,
+    "alpha": as_indices,
+    "direction": as_text,
+    **dict.fromkeys(("restarts", "label", "starts", "patience", "min_halvings"), as_count),
+    **dict.fromkeys(("sweeps", "solves"), _COUNT_FROM_ONE),
+    "seed": _SEED,
+    **dict.fromkeys(("beta", "gamma", "sigma", "kappa_factor", "relaxation", "rho"), as_number),
+    **dict.fromkeys(("long_step", "finish", "symmetric", "polish"), as_flag),
+}
+
+
+class _Checked:
+    """Options say at once which field is of the wrong type."""
+
+    def __post_init__(self) -> None:
+        for name in self.__dataclass_fields__:  # type: ignore[attr-defined]
+            value = getattr(self, name)
+            if value is not None:
+                object.__setattr__(self, name, _FIELDS[name](name, value))
 
 
 @dataclass(frozen=True, eq=False)
-class LemkeOptions:
+class LemkeOptions(_Checked):
     """Options of `method="lemke"`.
 
     `d` : (n,) covering vector, strictly positive, in the units of w. Without it, ones on the equilibrated problem, then
@@ -23,20 +48,16 @@ class LemkeOptions:
     restarts: int | None = None
     seed: int | None = None
 
-    def __post_init__(self) -> None:
-        if self.d is not None:
-            object.__setattr__(self, "d", as_vector("d", self.d))
-
 
 @dataclass(frozen=True)
-class LemkeHowsonOptions:
+class LemkeHowsonOptions(_Checked):
     """Options of `method="lemke_howson"`: the `label` (an index, default 0) that is dropped first."""
 
     label: int | None = None
 
 
 @dataclass(frozen=True)
-class BilinearOptions:
+class BilinearOptions(_Checked):
     """Options of `method="bilinear"`: random `starts` (default 100) after the first, and their `seed` (default 0)."""
 
     starts: int | None = None
@@ -44,7 +65,7 @@ class BilinearOptions:
 
 
 @dataclass(frozen=True)
-class BlockPivotingOptions:
+class BlockPivotingOptions(_Checked):
     """Options of `method="block_pivoting"`.
 
     `patience` (default 5): block exchanges that may fail to reduce the number of wrong signs before Murty's rule takes
@@ -56,7 +77,7 @@ class BlockPivotingOptions:
 
 
 @dataclass(frozen=True)
-class PotentialReductionOptions:
+class PotentialReductionOptions(_Checked):
     """Options of `method="potential_reduction"`: the paper's parameters, as in `lcpstar.potential_reduction`.
 
     Its `eps` is chosen from `tol`. Defaults: beta 0.5, gamma 0.5, sigma 0.2, kappa_factor 1.01, min_halvings 1,
@@ -71,13 +92,9 @@ class PotentialReductionOptions:
     direction: str | None = None
     long_step: bool | None = None
 
-    def __post_init__(self) -> None:
-        if self.min_halvings is not None and self.min_halvings < 0:
-            raise OptionError(f"min_halvings must be nonnegative, got {self.min_halvings}")
-
 
 @dataclass(frozen=True)
-class InteriorPointOptions:
+class InteriorPointOptions(_Checked):
     """Options of `method="interior_point"`.
 
     `finish` (default True): end at a complementary basis, with a residual at rounding level, where one is found.
@@ -87,7 +104,7 @@ class InteriorPointOptions:
 
 
 @dataclass(frozen=True)
-class PgsOptions:
+class PgsOptions(_Checked):
     """Options of `method="pgs"`.
 
     `relaxation` in (0, 2) (default 1); `symmetric` (default False): every other sweep runs downwards.
@@ -98,7 +115,7 @@ class PgsOptions:
 
 
 @dataclass(frozen=True)
-class PgsSmOptions:
+class PgsSmOptions(_Checked):
     """Options of `method="pgs_sm"`.
 
     `sweeps` (default 5) before the first solve; `solves` (default 4) on the support in a round, after each of which
@@ -109,13 +126,9 @@ class PgsSmOptions:
     solves: int | None = None
     relaxation: float | None = None
 
-    def __post_init__(self) -> None:
-        for name, value in (("sweeps", self.sweeps), ("solves", self.solves)):
-            _at_least_one(name, value)
-
 
 @dataclass(frozen=True)
-class AdmmOptions:
+class AdmmOptions(_Checked):
     """Options of `method="admm"`.
 
     `rho` (default 0.1) is the first penalty, on the equilibrated problem; it adapts. `relaxation` in (0, 2) (default
@@ -128,18 +141,15 @@ class AdmmOptions:
 
 
 @dataclass(frozen=True)
-class NewtonOptions:
+class NewtonOptions(_Checked):
     """Options of `method="newton"`: `patience` (default 3), the guesses of the support that may bring it no nearer."""
 
     patience: int | None = None
 
     def __post_init__(self) -> None:
-        _at_least_one("patience", self.patience)
-
-
-def _at_least_one(name: str, value: int | None) -> None:
-    if value is not None and value < 1:
-        raise OptionError(f"{name} must be at least 1, got {value}")
+        super().__post_init__()
+        if self.patience is not None:
+            as_count("patience", self.patience, least=1)
 
 
 MethodOptions = (

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ._core import solutions as find_faces
-from .coerce import Matrix, as_matrix, as_vector
+from .coerce import Matrix, as_flag, as_matrix, as_seconds, as_vector
 
 Points = Matrix | list[list[Fraction]]
 
@@ -77,6 +77,7 @@ def solutions(A: ArrayLike, q: ArrayLike, exact: bool = False, time_limit: float
     [Face(alpha=[0, 1], 2 vertices, 0 rays)]
     """
     matrix, vector = as_matrix("A", A), as_vector("q", q)
+    exact, time_limit = as_flag("exact", exact), as_seconds("time_limit", time_limit)
     n = len(vector)
     faces = find_faces(matrix, vector, time_limit, exact)
     if exact:

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import numpy as np
 from numpy import ndarray
 from numpy.typing import ArrayLike
 
 from . import _core
 from ._core import Solution
-from .coerce import Matrix, Vector, as_count, as_matrix, as_text, as_vector
+from .coerce import Matrix, Vector, as_count, as_indices, as_matrix, as_number, as_seconds, as_text, as_vector
 from .errors import OptionTypeError
 from .options import OPTIONS, InteriorPointOptions, MethodOptions
 from .sparse import is_sparse, solve_sparse
@@ -85,17 +84,31 @@ def solve(
         _check_options(method, options)
     if max_iterations is not None:
         max_iterations = as_count("max_iterations", max_iterations)
+    if time_limit is not None:
+        time_limit = as_seconds("time_limit", time_limit)
     if sparse:
+        _check_types(method, tol, certify)
         return solve_sparse(A, q, method, tol, max_iterations, time_limit, z0, certify, options)
     start = None if z0 is None else as_vector("z0", z0)
     solution = None
-    if type(A) is ndarray and type(q) is ndarray:  # most calls; the core takes them as they are, or says None
-        solution = _core.solve(A, q, method, tol, max_iterations, time_limit, start, certify, options)
-    if solution is None:
-        a, b = as_matrix("A", A), as_vector("q", q)
-        solution = _core.solve(a, b, method, tol, max_iterations, time_limit, start, certify, options)
+    try:
+        if type(A) is ndarray and type(q) is ndarray:  # most calls; the core takes them as they are, or says None
+            solution = _core.solve(A, q, method, tol, max_iterations, time_limit, start, certify, options)
+        if solution is None:
+            a, b = as_matrix("A", A), as_vector("q", q)
+            solution = _core.solve(a, b, method, tol, max_iterations, time_limit, start, certify, options)
+    except TypeError:
+        _check_types(method, tol, certify)
+        raise
     assert solution is not None
     return solution
+
+
+def _check_types(method: object, tol: object, certify: object) -> None:
+    """Says which argument the core did not take. Asked afterwards, so that a call with the usual types pays nothing."""
+    as_text("method", method)
+    as_number("tol", tol)
+    as_text("certify", certify)
 
 
 def _check_options(method: str, options: MethodOptions) -> None:
@@ -126,14 +139,13 @@ def ppt(A: ArrayLike, alpha: Sequence[int], q: ArrayLike | None = None) -> Matri
     ------
     SingularBlockError
         A[alpha, alpha] is singular to rounding, so the transform does not exist. Names alpha and the rank.
-    IndexSetError
-        An index is out of range or repeated.
+    IndexSetError, OptionTypeError
+        An index is out of range or repeated, or no integer.
 
     Examples
     --------
     >>> ppt([[2, 1], [1, 2]], [0]).tolist()
     [[0.5, -0.5], [0.5, 1.5]]
     """
-    indices = [int(i) for i in np.atleast_1d(np.asarray(alpha, dtype=np.int64))]
-    M, p = _core.ppt(as_matrix("A", A), indices, None if q is None else as_vector("q", q))
+    M, p = _core.ppt(as_matrix("A", A), as_indices("alpha", alpha), None if q is None else as_vector("q", q))
     return M if q is None else (M, p)

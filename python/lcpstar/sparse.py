@@ -26,12 +26,7 @@ def as_rows(A: Any, q: ArrayLike) -> Rows:
 
     The arrays of A are checked before scipy computes with them: its compiled loops trust them.
     """
-    if A.ndim != 2 or A.shape[0] != A.shape[1]:
-        raise ShapeError(f"A must be a square matrix, got shape {A.shape}")
-    if A.dtype.kind not in "biuf":
-        raise DTypeError(f"A must hold real numbers, got dtype {A.dtype}")
-    n = A.shape[0]
-    check_arrays(A, n)
+    n = _checked_order(A)
     rows = A.tocsr(copy=True)
     check_arrays(rows, n)
     rows.sum_duplicates()
@@ -42,6 +37,21 @@ def as_rows(A: Any, q: ArrayLike) -> Rows:
     if len(rhs) != n:
         raise ShapeError(f"q must have length {n}, got {len(rhs)}")
     return rows.indptr.astype(np.int64), rows.indices.astype(np.int64), values, rhs
+
+
+def as_dense(A: Any) -> NDArray[Any]:
+    """A sparse A as an array of its own type, for what is exponential in n anyway."""
+    _checked_order(A)
+    return np.asarray(A.toarray())
+
+
+def _checked_order(A: Any) -> int:
+    if A.ndim != 2 or A.shape[0] != A.shape[1]:
+        raise ShapeError(f"A must be a square matrix, got shape {A.shape}")
+    if A.dtype.kind not in "biuf":
+        raise DTypeError(f"A must hold real numbers, got dtype {A.dtype}")
+    check_arrays(A, A.shape[0])
+    return int(A.shape[0])
 
 
 def check_arrays(A: Any, n: int) -> None:

@@ -15,6 +15,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from ..errors import DTypeError, NotFiniteError, ShapeError
+from ..sparse import as_dense, is_sparse
 
 Rows: TypeAlias = tuple[tuple[Fraction, ...], ...]
 Vector: TypeAlias = tuple[Fraction, ...]
@@ -59,7 +60,9 @@ def _read_text(value: str, where: str) -> Fraction:
 
 
 def read_matrix(A: object, name: str = "A") -> Rows:
-    """A square matrix of order n >= 1 from nested sequences or an array of any real dtype."""
+    """A square matrix of order n >= 1 from nested sequences, or a dense or sparse array of any real dtype."""
+    if is_sparse(A):
+        A = as_dense(A)
     if isinstance(A, np.ndarray):
         if A.ndim != 2:
             raise ShapeError(f"{name} must have 2 dimensions, got {A.ndim}")

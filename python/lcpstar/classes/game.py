@@ -6,6 +6,8 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, Literal, overload
 
+from ..coerce import as_flag
+from ..errors import NotFiniteError
 from .exact import Rows, Vector, times, transpose
 from .registry import make_subject
 
@@ -69,5 +71,9 @@ def game_value(A: Any, exact: bool = False) -> float | Fraction:
     >>> game_value([[0, "1/2"], ["1/3", 0]], exact=True)
     Fraction(1, 5)
     """
+    exact = as_flag("exact", exact)
     value = game(A).value
-    return value if exact else float(value)
+    try:
+        return value if exact else float(value)
+    except OverflowError:
+        raise NotFiniteError("the value of A is beyond the range of doubles: ask for exact=True") from None

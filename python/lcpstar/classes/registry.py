@@ -114,9 +114,9 @@ def predicate(symbol: str, name: str, limit: int | None = 40) -> Callable[[Predi
     return register
 
 
-def find_class(symbol: str) -> MatrixClass:
+def find_class(symbol: str, argument: str = "symbol") -> MatrixClass:
     """The class of a symbol or of another spelling of it; `C0(k)` and `C0f(k)` for every k >= 0."""
-    symbol = ALIASES.get(as_text("class", symbol), symbol)
+    symbol = ALIASES.get(as_text(argument, symbol), symbol)
     if symbol in CLASSES:
         return CLASSES[symbol]
     match = _EXACT_ORDER.fullmatch(symbol.replace(" ", ""))
@@ -124,7 +124,7 @@ def find_class(symbol: str) -> MatrixClass:
         from .quadratic import exact_order_class
 
         return exact_order_class(match[1], int(match[2]))
-    raise UnknownNameError(f"class must be one of {', '.join(CLASSES)}, C0(k), C0f(k), got {symbol!r}")
+    raise UnknownNameError(f"{argument} must be one of {', '.join(CLASSES)}, C0(k), C0f(k), got {symbol!r}")
 
 
 def evaluate(subject: Subject, symbol: str) -> Verdict:

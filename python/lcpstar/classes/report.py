@@ -11,7 +11,7 @@ from functools import partial
 from types import NoneType
 from typing import Any
 
-from ..coerce import MAX_THREADS, as_count
+from ..coerce import MAX_THREADS, as_count, as_flag
 from ..errors import InternalError, OptionTypeError
 from .guarantees import guarantees
 from .inclusions import INCLUSIONS, conclude
@@ -138,10 +138,11 @@ def classify(
     (True, False, '(1, 0, 1)')
     """
     workers = 1 if threads is None else min(as_count("threads", threads, least=1), MAX_THREADS)
+    progress = progress if callable(progress) else as_flag("progress", progress)
     start = time.perf_counter()
     if isinstance(classes, str) or not isinstance(classes, (Iterable, NoneType)):
         raise OptionTypeError(f"classes must be symbols in a list, got {classes!r}")
-    wanted = [find_class(s).symbol for s in classes] if classes is not None else list(CLASSES)
+    wanted = [find_class(s, "classes").symbol for s in classes] if classes is not None else list(CLASSES)
     subject = make_subject(A, time_limit)
     place = {s: i for i, s in enumerate(_ORDER)}
     todo = sorted(wanted, key=lambda s: place.get(s, len(_ORDER)))
