@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import copy
+import dataclasses
 import pickle
 from fractions import Fraction
 
@@ -110,9 +112,48 @@ def test_input_is_never_modified_and_result_is_frozen():
         solution.status = "solved"
 
 
-def test_solution_pickles_with_every_field():
-    solution = lcpstar.solve(A, q)
-    copy = pickle.loads(pickle.dumps(solution))
-    assert copy.z.tolist() == solution.z.tolist()
-    assert copy.status == "solved"
-    assert copy.certificate.alpha == solution.certificate.alpha
+FIELDS = [name for name in dir(lcpstar.Solution) if not name.startswith("_")]
+COPIES = [copy.copy, copy.deepcopy, *(lambda s, p=p: pickle.loads(pickle.dumps(s, p)) for p in range(6))]
+
+
+def plain(value):
+    """A field as something that compares by value."""
+    if dataclasses.is_dataclass(value):
+        return {field.name: plain(getattr(value, field.name)) for field in dataclasses.fields(value)}
+    if isinstance(value, list):
+        return [plain(x) for x in value]
+    return value.tolist() if isinstance(value, np.ndarray) else value
+
+
+@pytest.mark.parametrize("again", COPIES)
+@pytest.mark.parametrize(
+    "solution",
+    [
+        lcpstar.solve(A, q),
+        lcpstar.solve(A, q, certify="exact"),
+        lcpstar.solve([[-1]], [-1]),
+        lcpstar.solve([[-1, 0], [0, 0]], [-1, 1], method="lemke"),
+        lcpstar.solve(np.diag([2.0, 3.0, 4.0]), [-1, -1, 1]),
+        lcpstar.solve(A, q, method="pgs", max_iterations=1),
+        lcpstar.potential_reduction(A, q, trace=True),
+    ],
+    ids=str,
+)
+def test_a_copy_of_a_solution_is_a_solution_with_every_field(solution, again):
+    twin = again(solution)
+    assert type(twin) is lcpstar.Solution
+    assert {name: plain(getattr(twin, name)) for name in FIELDS} == {
+        name: plain(getattr(solution, name)) for name in FIELDS
+    }
+    assert repr(twin) == repr(solution)
+    assert bool(twin) is bool(solution) is solution.success
+    assert type(twin.status) is lcpstar.Status
+    assert bool(lcpstar.verify(A, q, twin)) is bool(lcpstar.verify(A, q, solution))
+    with pytest.raises(ValueError, match="read-only"):
+        twin.z[0] = 1.0
+    assert pickle.loads(pickle.dumps(twin)).z.tolist() == solution.z.tolist()
+
+
+def test_a_failed_solution_is_false():
+    assert not lcpstar.solve([[-1]], [-1])
+    assert lcpstar.solve([[1]], [-1])

@@ -65,11 +65,11 @@ def _fractions(numerators: list[int], denominator: int) -> list[Fraction]:
     return [Fraction(numerator, denominator) for numerator in numerators]
 
 
+#: What a pickle of a `Solution` holds.
 _FIELDS = (
     "z",
     "w",
     "status",
-    "success",
     "method",
     "iterations",
     "residual",
@@ -84,13 +84,12 @@ _FIELDS = (
 )
 
 
-class SolutionRecord(SimpleNamespace):
-    """An unpickled `Solution`: the same fields, plain values."""
-
-
 def _reduce(solution: Any) -> tuple[Any, ...]:
     return _rebuild, (tuple(getattr(solution, field) for field in _FIELDS),)
 
 
-def _rebuild(values: tuple[Any, ...]) -> SolutionRecord:
-    return SolutionRecord(**dict(zip(_FIELDS, values, strict=True)))
+def _rebuild(values: tuple[Any, ...]) -> Any:
+    """A `Solution` from its fields: a claim, as every pickle is; `lcpstar.verify` recomputes it."""
+    from ._core import Solution
+
+    return Solution._restore(SimpleNamespace(**dict(zip(_FIELDS, values, strict=True))))

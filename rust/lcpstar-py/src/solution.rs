@@ -1,7 +1,7 @@
 //! `lcpstar.Solution`: frozen, arrays built on first use so that a call of `solve` costs no array nobody reads.
 
 use lcpstar::exact::dyadic::RationalVec;
-use lcpstar::{Certificate, Ray, Solution};
+use lcpstar::{Certificate, Ray, Solution, Status};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
@@ -12,15 +12,53 @@ use crate::arrays::frozen_array;
 /// The verified result of one solve; see the stub file for the fields.
 #[pyclass(name = "Solution", module = "lcpstar", frozen, weakref)]
 pub struct PySolution {
-    inner: Solution,
+    origin: Origin,
     time: f64,
     trace: Option<Py<PyAny>>,
-    /// Set when Python proved or re-proved the answer; replaces the core's floating-point certificate.
-    proof: Option<Py<PyAny>>,
     z: PyOnceLock<Py<PyArray1<f64>>>,
     w: PyOnceLock<Py<PyArray1<f64>>>,
     certificate: PyOnceLock<Py<PyAny>>,
     ray: PyOnceLock<Py<PyAny>>,
+}
+
+/// Who says what the fields say.
+enum Origin {
+    /// The judge of the core.
+    Core(Solution),
+    /// A pickle or a copy: as good as where it comes from; `lcpstar.verify` recomputes it.
+    Record(Record),
+}
+
+/// Attributes of the record that `lcpstar.result` makes of a pickle.
+#[derive(FromPyObject)]
+struct Record {
+    z: Vec<f64>,
+    w: Vec<f64>,
+    status: String,
+    method: String,
+    iterations: usize,
+    residual: f64,
+    natural_residual: f64,
+    alpha: Vec<usize>,
+    certificate: Option<Py<PyAny>>,
+    ray: Option<Py<PyAny>>,
+    pieces: Vec<(Vec<usize>, String)>,
+    message: String,
+    time: f64,
+    trace: Option<Py<PyAny>>,
+}
+
+/// The plain fields of either origin.
+struct Fields<'a> {
+    z: &'a [f64],
+    w: &'a [f64],
+    status: &'a str,
+    method: &'a str,
+    iterations: usize,
+    residual: f64,
+    natural_residual: f64,
+    alpha: &'a [usize],
+    message: &'a str,
 }
 
 impl PySolution {
@@ -31,11 +69,14 @@ impl PySolution {
 
     /// As [`PySolution::new`], with a list of iteration records.
     pub fn with_trace(inner: Solution, time: f64, trace: Option<Py<PyAny>>) -> Self {
+        Self::from_origin(Origin::Core(inner), time, trace)
+    }
+
+    fn from_origin(origin: Origin, time: f64, trace: Option<Py<PyAny>>) -> Self {
         Self {
-            inner,
+            origin,
             time,
             trace,
-            proof: None,
             z: PyOnceLock::new(),
             w: PyOnceLock::new(),
             certificate: PyOnceLock::new(),
@@ -43,9 +84,31 @@ impl PySolution {
         }
     }
 
-    /// The same solution with a certificate object of `lcpstar.result`.
-    pub fn with_proof(self, proof: Py<PyAny>) -> Self {
-        Self { proof: Some(proof), ..self }
+    fn fields(&self) -> Fields<'_> {
+        match &self.origin {
+            Origin::Core(s) => Fields {
+                z: s.z(),
+                w: s.w(),
+                status: s.status().as_str(),
+                method: s.method().as_str(),
+                iterations: s.iterations(),
+                residual: s.residual(),
+                natural_residual: s.natural_residual(),
+                alpha: s.alpha(),
+                message: s.message(),
+            },
+            Origin::Record(r) => Fields {
+                z: &r.z,
+                w: &r.w,
+                status: &r.status,
+                method: &r.method,
+                iterations: r.iterations,
+                residual: r.residual,
+                natural_residual: r.natural_residual,
+                alpha: &r.alpha,
+                message: &r.message,
+            },
+        }
     }
 }
 
@@ -108,12 +171,12 @@ fn ray_object(py: Python<'_>, ray: &Ray) -> PyResult<Py<PyAny>> {
 impl PySolution {
     #[getter]
     fn z(&self, py: Python<'_>) -> Py<PyArray1<f64>> {
-        self.z.get_or_init(py, || frozen_array(py, self.inner.z())).clone_ref(py)
+        self.z.get_or_init(py, || frozen_array(py, self.fields().z)).clone_ref(py)
     }
 
     #[getter]
     fn w(&self, py: Python<'_>) -> Py<PyArray1<f64>> {
-        self.w.get_or_init(py, || frozen_array(py, self.inner.w())).clone_ref(py)
+        self.w.get_or_init(py, || frozen_array(py, self.fields().w)).clone_ref(py)
     }
 
     #[getter]
@@ -121,63 +184,71 @@ impl PySolution {
         static STATUS: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
         let class =
             STATUS.get_or_try_init(py, || PyResult::Ok(py.import("lcpstar.result")?.getattr("Status")?.unbind()))?;
-        class.call1(py, (self.inner.status().as_str(),))
+        class.call1(py, (self.fields().status,))
     }
 
     #[getter]
     fn success(&self) -> bool {
-        self.inner.is_solved()
+        self.fields().status == Status::Solved.as_str()
     }
 
     #[getter]
     fn method(&self) -> &str {
-        self.inner.method().as_str()
+        self.fields().method
     }
 
     #[getter]
     fn iterations(&self) -> usize {
-        self.inner.iterations()
+        self.fields().iterations
     }
 
     #[getter]
     fn residual(&self) -> f64 {
-        self.inner.residual()
+        self.fields().residual
     }
 
     #[getter]
     fn natural_residual(&self) -> f64 {
-        self.inner.natural_residual()
+        self.fields().natural_residual
     }
 
     #[getter]
     fn alpha(&self) -> Vec<usize> {
-        self.inner.alpha().to_vec()
+        self.fields().alpha.to_vec()
     }
 
     #[getter]
     fn certificate(&self, py: Python<'_>) -> PyResult<Option<Py<PyAny>>> {
-        if let Some(proof) = &self.proof {
-            return Ok(Some(proof.clone_ref(py)));
-        }
-        let Some(certificate) = self.inner.certificate() else { return Ok(None) };
+        let inner = match &self.origin {
+            Origin::Core(inner) => inner,
+            Origin::Record(record) => return Ok(record.certificate.as_ref().map(|object| object.clone_ref(py))),
+        };
+        let Some(certificate) = inner.certificate() else { return Ok(None) };
         let object = self.certificate.get_or_try_init(py, || certificate_object(py, certificate))?;
         Ok(Some(object.clone_ref(py)))
     }
 
     #[getter]
     fn ray(&self, py: Python<'_>) -> PyResult<Option<Py<PyAny>>> {
-        let Some(ray) = self.inner.ray() else { return Ok(None) };
+        let inner = match &self.origin {
+            Origin::Core(inner) => inner,
+            Origin::Record(record) => return Ok(record.ray.as_ref().map(|object| object.clone_ref(py))),
+        };
+        let Some(ray) = inner.ray() else { return Ok(None) };
         Ok(Some(self.ray.get_or_try_init(py, || ray_object(py, ray))?.clone_ref(py)))
     }
 
     #[getter]
-    fn pieces(&self) -> Vec<(Vec<usize>, &'static str)> {
-        self.inner.pieces().iter().map(|(indices, method)| (indices.clone(), method.as_str())).collect()
+    fn pieces(&self) -> Vec<(Vec<usize>, &str)> {
+        match &self.origin {
+            Origin::Core(inner) => inner.pieces().iter().map(|(i, method)| (i.clone(), method.as_str())).collect(),
+            Origin::Record(record) => record.pieces.iter().map(|(i, method)| (i.clone(), method.as_str())).collect(),
+        }
     }
 
     #[getter]
     fn message(&self) -> &str {
-        self.inner.message()
+        self.fields().message
     }
 
     #[getter]
@@ -191,20 +262,33 @@ impl PySolution {
     }
 
     fn __repr__(&self) -> String {
-        let inner = &self.inner;
+        let fields = self.fields();
         format!(
             "Solution({}, method={:?}, n={}, iterations={}, residual={:.2e}, natural_residual={:.2e})",
-            inner.status().as_str(),
-            inner.method().as_str(),
-            inner.z().len(),
-            inner.iterations(),
-            inner.residual(),
-            inner.natural_residual()
+            fields.status,
+            fields.method,
+            fields.z.len(),
+            fields.iterations,
+            fields.residual,
+            fields.natural_residual
         )
     }
 
-    /// Pickled as a plain record that answers to the same names.
+    /// Whether the problem is solved.
+    fn __bool__(&self) -> bool {
+        self.success()
+    }
+
+    /// Pickled field by field; `_restore` reads them again.
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
         slf.py().import("lcpstar.result")?.call_method1("_reduce", (slf,))
+    }
+
+    /// A solution from the record of a pickle.
+    #[staticmethod]
+    fn _restore(mut record: Record) -> Self {
+        let trace = record.trace.take();
+        let time = record.time;
+        Self::from_origin(Origin::Record(record), time, trace)
     }
 }
