@@ -68,6 +68,15 @@ def test_a_point_of_a_solution_set_is_looked_at_after_the_time_limit_of_the_set(
     assert found.local(found.faces[0].vertices[0]).stable
 
 
+@pytest.mark.parametrize("threads", [1, 2])
+def test_an_exploration_whose_single_matrices_take_long_keeps_its_time_limit(threads):
+    start = time.perf_counter()
+    found = lcpstar.explore("Q => P0", n=6, samples=1000, time_limit=0.5, threads=threads)
+    assert time.perf_counter() - start < 2  # half a second, on a machine that has other work
+    assert not found.complete
+    assert lcpstar.explore("Q => P0", n=6, resume=found, time_limit=0).scanned == found.scanned
+
+
 @pytest.mark.parametrize("limit", ["1", True, None.__class__, [1], 1j])
 def test_a_time_limit_that_is_no_number_is_named(limit):
     with pytest.raises(errors.OptionTypeError, match="time_limit must be a real number"):

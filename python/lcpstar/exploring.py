@@ -164,7 +164,7 @@ def explore(
     up_to_permutation = as_flag("up_to_permutation", up_to_permutation)
     stop_at_first = as_flag("stop_at_first", stop_at_first)
     progress = progress if callable(progress) else as_flag("progress", progress)
-    chunk = 256
+    chunk, patience = 256, 2 * _CALL_SECONDS
     while not done.complete:
         left = None if limit is None else limit - (time.perf_counter() - start)
         if left is not None and left <= 0:
@@ -174,19 +174,27 @@ def explore(
         stop = min(position + chunk, total)
         began = time.perf_counter()
         exhaustive = done.samples is None and len(done.entries) ** (done.n[order] ** 2) <= _EXHAUSTIVE_UP_TO
-        tally = _core.scan(
-            done.n[order],
-            list(done.entries),
-            up_to_permutation and exhaustive and is_invariant(hypothesis) and is_invariant(conclusion),
-            None if exhaustive else done.seed,
-            hypothesis,
-            conclusion,
-            position,
-            stop,
-            workers,
-        )
+        invariant = is_invariant(hypothesis) and is_invariant(conclusion)
+        try:
+            tally = _core.scan(
+                done.n[order],
+                list(done.entries),
+                up_to_permutation and exhaustive and invariant,
+                None if exhaustive else done.seed,
+                hypothesis,
+                conclusion,
+                position,
+                stop,
+                workers,
+                patience if left is None else min(left, patience),
+            )
+        except TimeoutError:
+            if chunk == 1:  # a single matrix takes long
+                patience *= 2
+            chunk = max(1, chunk // 8)
+            continue
         took = time.perf_counter() - began
-        chunk = max(64, int(chunk * min(4.0, max(0.25, _CALL_SECONDS / max(took, 1e-6)))))
+        chunk = max(1, int(chunk * min(4.0, max(0.25, _CALL_SECONDS / max(took, 1e-6)))))
         done = _advance(done, order, stop, total, tally, time.perf_counter() - start)
         if callable(progress):
             progress(done)
