@@ -85,7 +85,7 @@ TABLE = {
     "solutions": (
         lcpstar.solutions,
         {"A": A, "q": Q},
-        {"A": DENSE, "q": [None, *VECTOR], "exact": FLAG, "time_limit": SECONDS},
+        {"A": EXACT, "q": [None, *EXACT_VECTOR], "exact": FLAG, "time_limit": SECONDS},
     ),
     "accuracy": (
         lcpstar.accuracy,

@@ -12,6 +12,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 from scipy.optimize import linprog
+from scipy.sparse import csr_array
 
 import lcpstar
 
@@ -286,3 +287,28 @@ def test_a_solution_set_can_be_copied():
         assert twin.faces == found.faces
         assert twin.components == 2
         assert twin.local([0]).locally_unique
+
+
+def test_exact_input_is_taken_as_it_is():
+    A, q = [["1/3", Fraction(1, 3)], [1, 2**70 + 1]], ["-1/3", -(2**70) - 1]
+    for face in lcpstar.solutions(A, q, exact=True):
+        for z in face.vertices:
+            w = [
+                sum(Fraction(a) * x for a, x in zip(row, z, strict=True)) + Fraction(c)
+                for row, c in zip(A, q, strict=True)
+            ]
+            assert all(x >= 0 and y >= 0 and x * y == 0 for x, y in zip(z, w, strict=True))
+    assert len(lcpstar.solutions(A, q)) == 1
+    plain, thirds = [[1, 1], [1, 1]], [["1/3", "1/3"], ["1/3", "1/3"]]
+    for one, other in zip(lcpstar.solutions(plain, [-1, -1]), lcpstar.solutions(thirds, ["-1/3", "-1/3"]), strict=True):
+        assert (one.alpha, one.vertices.tolist()) == (other.alpha, other.vertices.tolist())
+    sparse = lcpstar.solutions(csr_array(np.array([[-1.0]])), [1.0])
+    assert [face.vertices.tolist() for face in sparse] == [[[0.0]], [[1.0]]]
+    with pytest.raises(lcpstar.errors.NotFiniteError, match="exact=True"):
+        lcpstar.solutions([["1e-400"]], [-1])
+
+
+def test_a_time_limit_of_the_exact_kernel_says_so():
+    A = [[10**40 + i + j for j in range(12)] for i in range(12)]
+    with pytest.raises(lcpstar.errors.TimeLimitError):
+        lcpstar.solution_set(A, [-1] * 12, time_limit=0.01)

@@ -5,12 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ._core import solutions as find_faces
 from .coerce import Matrix, as_flag, as_matrix, as_seconds, as_vector
+from .errors import NotFiniteError
 
 Points = Matrix | list[list[Fraction]]
 
@@ -44,7 +46,7 @@ def solutions(A: ArrayLike, q: ArrayLike, exact: bool = False, time_limit: float
     Parameters
     ----------
     A : (n, n) array_like of real numbers, n <= 127
-        Read as the binary numbers they are.
+        Read as the binary numbers they are; `Fraction`, integers of any size, strings like "1/3" and sparse A, too.
     q : (n,) array_like of real numbers
     exact : bool
         Vertices and rays as lists of `Fraction` instead of the nearest doubles. The computation is exact either way.
@@ -76,8 +78,10 @@ def solutions(A: ArrayLike, q: ArrayLike, exact: bool = False, time_limit: float
     >>> solutions([[1, 1], [1, 1]], [-1, -1])
     [Face(alpha=[0, 1], 2 vertices, 0 rays)]
     """
-    matrix, vector = as_matrix("A", A), as_vector("q", q)
     exact, time_limit = as_flag("exact", exact), as_seconds("time_limit", time_limit)
+    if _needs_fractions(A) or _needs_fractions(q):
+        return _of_fractions(A, q, exact, time_limit)
+    matrix, vector = as_matrix("A", A), as_vector("q", q)
     n = len(vector)
     faces = find_faces(matrix, vector, time_limit, exact)
     if exact:
@@ -90,3 +94,31 @@ def solutions(A: ArrayLike, q: ArrayLike, exact: bool = False, time_limit: float
 
 def _fractions(points: Sequence[tuple[list[int], int]]) -> list[list[Fraction]]:
     return [[Fraction(x, denominator) for x in numerators] for numerators, denominator in points]
+
+
+def _needs_fractions(value: Any) -> bool:
+    """Whether an argument holds anything but doubles and machine integers."""
+    try:
+        return np.asarray(value).dtype.kind not in "fiubc"
+    except ValueError:  # ragged: whoever reads it says so
+        return False
+
+
+def _of_fractions(A: Any, q: Any, exact: bool, time_limit: float | None) -> list[Face]:
+    from .classes.solution_set import solution_set
+
+    found = sorted(solution_set(A, q, time_limit=time_limit).faces, key=lambda face: face.alpha)
+    faces = [
+        Face(list(f.alpha), list(map(list, f.vertices)), [[Fraction(x, max(ray)) for x in ray] for ray in f.rays])
+        for f in found
+    ]
+    return (
+        faces if exact else [Face(f.alpha, *(_rounded(part, len(q)) for part in (f.vertices, f.rays))) for f in faces]
+    )
+
+
+def _rounded(points: Points, n: int) -> Matrix:
+    try:
+        return np.array([[float(x) for x in point] for point in points]).reshape(len(points), n)
+    except OverflowError:
+        raise NotFiniteError("SOL(q, A) has a vertex beyond the range of doubles: ask for exact=True") from None

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from ..coerce import as_seconds
-from ..errors import OptionError
+from ..errors import OptionError, TimeLimitError
 from ..solutions import solutions
 from .exact import (
     IndexSet,
@@ -206,8 +206,12 @@ def _maximal_pieces(rows: Rows, q: Vector, time_limit: float | None) -> list[Fac
     subject = Subject(rows, None if time_limit is None else time.monotonic() + time_limit)
     # The kernel holds scale * A: with q scaled by the common denominator d, its z is d z / scale.
     common = math.lcm(*(value.denominator for value in q))
+    try:
+        pieces = subject.ask("pieces", tuple(int(v * common) for v in q))
+    except TimeoutError:
+        raise TimeLimitError("the solution set was not complete when time_limit had passed") from None
     faces = []
-    for _, vertices, rays in subject.ask("pieces", tuple(int(v * common) for v in q)):
+    for _, vertices, rays in pieces:
         points = tuple(sorted(tuple(Fraction(v * subject.scale, t * common) for v in z) for z, t in vertices))
         directions = tuple(sorted(map(tuple, rays)))
         alpha = tuple(i for i in range(subject.n) if any(x[i] for x in (*points, *directions)))
