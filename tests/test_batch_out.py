@@ -84,9 +84,9 @@ def test_what_does_not_fit_is_refused():
     A, q = batch(4)
     out = lcpstar.solve_batch(A, q)
     for others in (batch(4, 39), batch(5)):
-        with pytest.raises(ShapeError, match=r"out\.z must be C-contiguous float64 of shape"):
+        with pytest.raises(ShapeError, match=r"out\.z must be C-contiguous and aligned float64 of shape"):
             lcpstar.solve_batch(*others, out=out)
-    with pytest.raises(ShapeError, match=r"out\.alpha must be C-contiguous uint64"):
+    with pytest.raises(ShapeError, match=r"out\.alpha must be C-contiguous and aligned uint64"):
         lcpstar.solve_batch(A, q, out=dataclasses.replace(out, alpha=np.zeros((40, 4), bool)))
     with pytest.raises(OptionError, match="share no memory with A, q"):
         lcpstar.solve_batch(A, out.w, out=out)

@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from types import NoneType
-from typing import Any, cast
+from typing import Any, TypeVar, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -22,6 +22,7 @@ _METHODS = np.array(_core.batch_methods(), dtype=object)
 Floats = NDArray[np.float64]
 Reals = NDArray[np.float64] | NDArray[np.float32]
 Guess = NDArray[np.uint64] | NDArray[np.bool_] | NDArray[np.float64]
+_Any = TypeVar("_Any", bound=NDArray[Any])
 _Arrays = tuple[
     Floats,
     Floats,
@@ -297,17 +298,18 @@ def _results(
         return BatchSolution(**{name: np.empty(*kind) for name, kind in layout.items()}, offsets=offsets)
     for name, (shape, dtype) in layout.items():
         array = getattr(out, name)
-        if array.shape != shape or array.dtype != dtype or not array.flags.c_contiguous:
+        if array.shape != shape or array.dtype != dtype or not (array.flags.c_contiguous and array.flags.aligned):
             wanted, given = f"{dtype} of shape {shape}", f"{array.dtype} of {array.shape}"
-            raise ShapeError(f"out.{name} must be C-contiguous {wanted}, got {given}")
+            raise ShapeError(f"out.{name} must be C-contiguous and aligned {wanted}, got {given}")
     same = out.offsets is offsets if out.offsets is None or offsets is None else np.array_equal(out.offsets, offsets)
     if not same:
         raise ShapeError("out.offsets must be those of this batch")
     return out
 
 
-def _contiguous(array: Reals) -> Reals:
-    return cast("Reals", np.ascontiguousarray(array))
+def _contiguous(array: _Any) -> _Any:
+    """`array` as the core reads it in place: its numbers next to each other, each where the processor wants it."""
+    return array if array.flags.c_contiguous and array.flags.aligned else cast("_Any", np.array(array, order="C"))
 
 
 def _map(own: tuple[int, ...], lead: tuple[int, ...]) -> NDArray[np.uintp] | None:
@@ -322,18 +324,18 @@ def _guess(z0: Any, alpha0: ArrayLike | None, lead: tuple[int, ...], n: int) -> 
     if z0 is not None:
         points = as_real("z0", z0)
         check_finite("z0", points)
-        return np.ascontiguousarray(_broadcast("z0", points, (*lead, n)))
+        return _contiguous(_broadcast("z0", points, (*lead, n)))
     if alpha0 is None:
         return None
     alpha = _as_array("alpha0", alpha0)
     if alpha.dtype == np.bool_:
-        return np.ascontiguousarray(_broadcast("alpha0", alpha, (*lead, n)))
+        return _contiguous(_broadcast("alpha0", alpha, (*lead, n)))
     if alpha.dtype.kind not in "iu" or n > 64:
         raise ShapeError(f"alpha0 must be booleans (..., {n}), or bit masks for n <= 64; got dtype {alpha.dtype}")
     if alpha.dtype.kind == "i" and (alpha < 0).any():
         raise OptionError(f"alpha0 must hold bit masks, got {alpha.min()}")
     masks = alpha.astype(np.uint64, copy=False)
-    return np.ascontiguousarray(_broadcast("alpha0", masks, lead))
+    return _contiguous(_broadcast("alpha0", masks, lead))
 
 
 def _as_array(name: str, value: ArrayLike) -> NDArray[Any]:

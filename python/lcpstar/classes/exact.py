@@ -68,7 +68,7 @@ def read_matrix(A: object, name: str = "A") -> Rows:
             raise ShapeError(f"{name} must have 2 dimensions, got {A.ndim}")
         if A.dtype.kind == "c":
             raise DTypeError(f"{name} must be real, got dtype {A.dtype}")
-        rows: list[Any] = list(A)
+        rows: list[Any] = list(np.asarray(A) if isinstance(A, np.matrix) else A)  # a row of np.matrix is a matrix
     else:
         rows = _sequence(A, name)
     n = len(rows)

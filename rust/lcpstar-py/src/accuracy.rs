@@ -1,10 +1,10 @@
 //! `accuracy`: a point measured, dense or sparse.
 
 use lcpstar::accuracy::{Accuracy, accuracy as dense, accuracy_sparse as sparse};
-use numpy::{PyReadonlyArray1, PyReadonlyArray2};
+use numpy::PyArray1;
 use pyo3::prelude::*;
 
-use crate::arrays::{to_lcp, vector};
+use crate::arrays::{MatrixArray, VectorArray, numbers, to_lcp};
 use crate::errors::enter_core;
 use crate::sparse::to_sparse_lcp;
 
@@ -19,11 +19,11 @@ fn fields(found: Accuracy) -> Fields {
 #[pyfunction]
 pub fn accuracy(
     py: Python<'_>,
-    a: PyReadonlyArray2<'_, f64>,
-    q: PyReadonlyArray1<'_, f64>,
-    z: PyReadonlyArray1<'_, f64>,
+    a: MatrixArray<'_>,
+    q: VectorArray<'_>,
+    z: VectorArray<'_>,
 ) -> PyResult<Fields> {
-    let (lcp, z) = (to_lcp(py, &a, &q)?, vector(&z));
+    let (lcp, z) = (to_lcp(py, &a, &q)?, numbers(&z));
     enter_core(py, || dense(&lcp, &z)).map(fields)
 }
 
@@ -31,13 +31,13 @@ pub fn accuracy(
 #[pyfunction]
 pub fn accuracy_sparse(
     py: Python<'_>,
-    starts: PyReadonlyArray1<'_, i64>,
-    columns: PyReadonlyArray1<'_, i64>,
-    values: PyReadonlyArray1<'_, f64>,
-    q: PyReadonlyArray1<'_, f64>,
-    z: PyReadonlyArray1<'_, f64>,
+    starts: Bound<'_, PyArray1<i64>>,
+    columns: Bound<'_, PyArray1<i64>>,
+    values: VectorArray<'_>,
+    q: VectorArray<'_>,
+    z: VectorArray<'_>,
 ) -> PyResult<Fields> {
     let lcp = to_sparse_lcp(py, &starts, &columns, &values, &q)?;
-    let z = vector(&z);
+    let z = numbers(&z);
     enter_core(py, || sparse(&lcp, &z)).map(fields)
 }

@@ -88,6 +88,13 @@ impl Supports<'_> {
     }
 }
 
+/// An array to read while the interpreter is released: it may not be one that another batch writes to.
+fn borrowed<'py, T: FromPyObjectOwned<'py>>(array: &Bound<'py, PyAny>) -> PyResult<T> {
+    array
+        .extract()
+        .map_err(|_| raise(array.py(), "OptionError", "A, q and the guess must not be in the out of a batch under way"))
+}
+
 /// An array to write to that nobody else reads or writes.
 fn own<'py, T: Element>(array: &Bound<'py, PyArrayDyn<T>>) -> PyResult<PyReadwriteArrayDyn<'py, T>> {
     array.try_readwrite().map_err(|_| {
@@ -104,17 +111,19 @@ fn own<'py, T: Element>(array: &Bound<'py, PyArrayDyn<T>>) -> PyResult<PyReadwri
 pub fn solve_batch<'py>(
     py: Python<'py>,
     n: usize,
-    a: Blocks<'py>,
-    q: Blocks<'py>,
+    a: &Bound<'py, PyAny>,
+    q: &Bound<'py, PyAny>,
     count: usize,
     a_map: Option<PyReadonlyArray1<'py, usize>>,
     q_map: Option<PyReadonlyArray1<'py, usize>>,
     method: &str,
     tol: f64,
     threads: usize,
-    guess: Option<GuessArray<'py>>,
+    guess: Option<&Bound<'py, PyAny>>,
     results: Results<'py>,
 ) -> PyResult<()> {
+    let (a, q): (Blocks<'_>, Blocks<'_>) = (borrowed(a)?, borrowed(q)?);
+    let guess: Option<GuessArray<'_>> = guess.map(borrowed).transpose()?;
     let problems = Problems {
         n,
         count,

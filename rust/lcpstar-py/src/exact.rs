@@ -1,6 +1,6 @@
 //! Proofs and solution sets for Python: exact integers over one denominator.
 
-use crate::arrays::{index_set, to_lcp};
+use crate::arrays::{MatrixArray, VectorArray, index_set, to_lcp};
 use crate::errors::{Signals, enter_core, raise};
 use crate::solve::deadline;
 use lcpstar::Control;
@@ -8,7 +8,6 @@ use lcpstar::exact::dyadic::RationalVec;
 use lcpstar::exact::repair::{self, Repaired};
 use lcpstar::status::Termination;
 use num_bigint::BigInt;
-use numpy::{PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use std::time::Instant;
 
@@ -29,8 +28,8 @@ fn split(v: RationalVec) -> Exact {
 #[pyfunction]
 pub fn prove_solution(
     py: Python<'_>,
-    a: PyReadonlyArray2<'_, f64>,
-    q: PyReadonlyArray1<'_, f64>,
+    a: MatrixArray<'_>,
+    q: VectorArray<'_>,
     alpha: Vec<i64>,
 ) -> PyResult<(&'static str, Vec<usize>, Option<Exact>, usize)> {
     let lcp = to_lcp(py, &a, &q)?;
@@ -49,8 +48,8 @@ pub fn prove_solution(
 #[pyfunction]
 pub fn solutions(
     py: Python<'_>,
-    a: PyReadonlyArray2<'_, f64>,
-    q: PyReadonlyArray1<'_, f64>,
+    a: MatrixArray<'_>,
+    q: VectorArray<'_>,
     time_limit: Option<f64>,
     exact: bool,
 ) -> PyResult<Py<PyAny>> {

@@ -4,12 +4,12 @@ use lcpstar::driver;
 use lcpstar::methods::interior_point;
 use lcpstar::methods::potential_reduction::{self as potential, DirectionSolver, Record, Settings, Stop};
 use lcpstar::{Control, LcpError};
-use numpy::{PyArray1, PyReadonlyArray1, PyReadonlyArray2};
+use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use std::time::Instant;
 
-use crate::arrays::{square, to_lcp, vector};
+use crate::arrays::{MatrixArray, VectorArray, numbers, square, to_lcp};
 use crate::errors::{Signals, enter_core, to_python};
 use crate::solution::PySolution;
 
@@ -64,9 +64,9 @@ fn direction_solver(py: Python<'_>, name: &str) -> PyResult<DirectionSolver> {
 #[pyo3(signature = (a, q, z0, eps, max_iterations, options, trace))]
 pub fn potential_reduction(
     py: Python<'_>,
-    a: PyReadonlyArray2<'_, f64>,
-    q: PyReadonlyArray1<'_, f64>,
-    z0: Option<PyReadonlyArray1<'_, f64>>,
+    a: MatrixArray<'_>,
+    q: VectorArray<'_>,
+    z0: Option<VectorArray<'_>>,
     eps: f64,
     max_iterations: usize,
     options: &Bound<'_, PyAny>,
@@ -74,7 +74,7 @@ pub fn potential_reduction(
 ) -> PyResult<PySolution> {
     let start = Instant::now();
     let lcp = to_lcp(py, &a, &q)?;
-    let z0 = z0.as_ref().map(vector);
+    let z0 = z0.as_ref().map(numbers);
     let mut settings = Settings { stop: Stop::Gap(eps), ..Settings::default() };
     set_potential_options(py, &mut settings, options)?;
     let signals = Signals::new();
@@ -96,14 +96,14 @@ pub fn potential_reduction(
 #[pyfunction]
 pub fn potential_direction<'py>(
     py: Python<'py>,
-    a: PyReadonlyArray2<'py, f64>,
-    z: PyReadonlyArray1<'py, f64>,
-    w: PyReadonlyArray1<'py, f64>,
+    a: MatrixArray<'py>,
+    z: VectorArray<'py>,
+    w: VectorArray<'py>,
     kappa: f64,
     direction: &str,
 ) -> PyResult<(Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>, &'static str)> {
     let (n, a) = square(py, "A", &a)?;
-    let (z, w) = (vector(&z), vector(&w));
+    let (z, w) = (numbers(&z), numbers(&w));
     for (name, v) in [("z", &z), ("w", &w)] {
         if v.len() != n {
             return Err(to_python(py, &LcpError::WrongLength { name, expected: n, found: v.len() }));

@@ -3,18 +3,18 @@
 use lcpstar::driver::{self, BRIEF_UP_TO, Certify, Method, Settings};
 use lcpstar::methods::{bilinear, block_pivoting, lemke, lemke_howson};
 use lcpstar::{Control, Lcp, LcpError};
-use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
+use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use std::time::{Duration, Instant};
 
-use crate::arrays::{index_set, square, to_lcp_as_is, vector};
+use crate::arrays::{MatrixArray, VectorArray, index_set, numbers, square, to_lcp_as_is};
 use crate::errors::{Signals, enter_core, enter_core_briefly, to_python};
 use crate::solution::PySolution;
 
 /// Attributes of `lcpstar.LemkeOptions`; `None` means the core's default.
 #[derive(FromPyObject)]
 struct LemkeOptions<'py> {
-    d: Option<PyReadonlyArray1<'py, f64>>,
+    d: Option<VectorArray<'py>>,
     restarts: Option<usize>,
     seed: Option<u64>,
 }
@@ -47,7 +47,7 @@ pub fn method(py: Python<'_>, name: &str, options: Option<&Bound<'_, PyAny>>, n:
         Method::Auto | Method::PrincipalPivoting | Method::Chandrasekaran | Method::Enumerate => {}
         Method::Lemke { settings: lemke::Settings { d }, restarts, seed } => {
             let given: LemkeOptions<'_> = options.extract()?;
-            *d = given.d.as_ref().map(vector);
+            *d = given.d.as_ref().map(numbers);
             *restarts = given.restarts.unwrap_or(*restarts);
             *seed = given.seed.unwrap_or(*seed);
         }
@@ -84,7 +84,7 @@ pub fn solve(
     tol: f64,
     max_iterations: Option<usize>,
     time_limit: Option<f64>,
-    z0: Option<PyReadonlyArray1<'_, f64>>,
+    z0: Option<VectorArray<'_>>,
     certify: &str,
     options: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Option<PySolution>> {
@@ -92,7 +92,7 @@ pub fn solve(
     let Some(lcp) = to_lcp_as_is(py, a, q)? else { return Ok(None) };
     let method = method(py, method_name, options, lcp.n())?;
     let certify = Certify::from_name(certify).map_err(|e| to_python(py, &e))?;
-    let settings = Settings { method, tol, z0: z0.as_ref().map(vector), certify };
+    let settings = Settings { method, tol, z0: z0.as_ref().map(numbers), certify };
     let deadline = deadline(py, start, time_limit)?;
     let control = Control { max_iterations, deadline, interrupted: None };
     let brief = lcp.n() <= BRIEF_UP_TO;
@@ -122,12 +122,12 @@ pub fn deadline(py: Python<'_>, start: Instant, time_limit: Option<f64>) -> PyRe
 #[pyfunction]
 pub fn ppt<'py>(
     py: Python<'py>,
-    a: PyReadonlyArray2<'py, f64>,
+    a: MatrixArray<'py>,
     alpha: Vec<i64>,
-    q: Option<PyReadonlyArray1<'py, f64>>,
+    q: Option<VectorArray<'py>>,
 ) -> PyResult<(Bound<'py, PyArray2<f64>>, Bound<'py, PyArray1<f64>>)> {
     let (n, a) = square(py, "A", &a)?;
-    let q = q.as_ref().map_or_else(|| vec![0.0; n], vector);
+    let q = q.as_ref().map_or_else(|| vec![0.0; n], numbers);
     let alpha = index_set(py, "alpha", &alpha, n)?;
     let transformed =
         enter_core(py, || lcpstar::pivoting::transform::principal_pivot_transform(&Lcp::new(n, a, q)?, &alpha))?;
