@@ -15,13 +15,13 @@ from .sparse import as_rows, is_sparse
 
 @dataclass(frozen=True)
 class Accuracy:
-    """How accurate a point z is, with `w = A z + q` in twice the working precision.
+    """How accurate a point z is, with `w = A z + q` without rounding: the sums are exact.
 
     `natural_residual` is `max|min(z, w)|`, `residual` the scale-free residual that `tol` bounds. `backward_error` is
     the least omega such that z solves a problem whose entries differ from the given ones by the fraction omega: `|w_i|`
     (where `z_i > 0`) or `max(0, -w_i)` (where `z_i = 0`) over `(|A||z| + |q|)_i`, at its largest. `error_bound` bounds
-    `max|z - z*|` for the only solution z*, rounding errors included; None where nothing is proved. `bound_reason` names
-    the theorem, or says why there is none.
+    `max|z - z*|` for the only solution z*, rounding errors included; infinite beyond the range of doubles, None where
+    nothing is proved. `bound_reason` names the theorem, or says why there is none.
     """
 
     natural_residual: float

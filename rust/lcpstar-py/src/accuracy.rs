@@ -1,11 +1,12 @@
 //! `accuracy`: a point measured, dense or sparse.
 
+use lcpstar::Control;
 use lcpstar::accuracy::{Accuracy, accuracy as dense, accuracy_sparse as sparse};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 
 use crate::arrays::{MatrixArray, VectorArray, numbers, to_lcp};
-use crate::errors::enter_core;
+use crate::errors::{Signals, enter_core};
 use crate::sparse::to_sparse_lcp;
 
 /// The fields of `lcpstar.Accuracy`, in their order.
@@ -15,16 +16,22 @@ fn fields(found: Accuracy) -> Fields {
     (found.natural_residual, found.residual, found.backward_error, found.error_bound, found.bound_reason)
 }
 
+fn stoppable(
+    py: Python<'_>,
+    measure: impl FnOnce(&Control<'_>) -> lcpstar::Result<Accuracy> + Send,
+) -> PyResult<Fields> {
+    let signals = Signals::new();
+    let found =
+        enter_core(py, || measure(&Control { interrupted: Some(&|| signals.interrupted()), ..Control::default() }))?;
+    signals.raise()?;
+    Ok(fields(found))
+}
+
 /// Measures a point; arguments already coerced by `lcpstar.accuracy`.
 #[pyfunction]
-pub fn accuracy(
-    py: Python<'_>,
-    a: MatrixArray<'_>,
-    q: VectorArray<'_>,
-    z: VectorArray<'_>,
-) -> PyResult<Fields> {
+pub fn accuracy(py: Python<'_>, a: MatrixArray<'_>, q: VectorArray<'_>, z: VectorArray<'_>) -> PyResult<Fields> {
     let (lcp, z) = (to_lcp(py, &a, &q)?, numbers(&z));
-    enter_core(py, || dense(&lcp, &z)).map(fields)
+    stoppable(py, |control| dense(&lcp, &z, control))
 }
 
 /// As `accuracy`, for compressed rows.
@@ -39,5 +46,5 @@ pub fn accuracy_sparse(
 ) -> PyResult<Fields> {
     let lcp = to_sparse_lcp(py, &starts, &columns, &values, &q)?;
     let z = numbers(&z);
-    enter_core(py, || sparse(&lcp, &z)).map(fields)
+    stoppable(py, |control| sparse(&lcp, &z, control))
 }

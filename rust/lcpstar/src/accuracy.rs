@@ -3,14 +3,17 @@
 //! The bound holds for the given binary numbers, rounding errors of its own computation included.
 
 mod bound;
+mod row;
 
+use crate::control::Control;
 use crate::equilibrate::Equilibrated;
 use crate::error::{LcpError, Result};
 use crate::linalg::backend::SparseFactor;
 use crate::problem::{Lcp, check_finite};
-use crate::residual::{equilibrated_residual, natural_residual, slack};
+use crate::scaling::Scaling;
 use crate::sparse::SparseLcp;
 use bound::Bound;
+use row::Wide;
 
 /// How accurate a point is.
 #[derive(Clone, Debug, PartialEq)]
@@ -29,32 +32,66 @@ pub struct Accuracy {
     pub bound_reason: &'static str,
 }
 
-/// Measures a point of a dense problem. O(n^3): one or two factorisations for the bound.
+/// One row of a point, each number as exact as a double is.
+struct Row {
+    z: Wide,
+    w: Wide,
+    /// `(|A||z| + |q|)_i`.
+    magnitude: Wide,
+}
+
+impl Row {
+    fn new(z: f64, q: f64, a: &[f64], at: impl Fn(usize) -> f64) -> Self {
+        let (w, magnitude) = row::row(q, a, at);
+        Self { z: Wide::new(z), w, magnitude }
+    }
+
+    /// `z_i` and `w_i` of the scaled problem.
+    fn scaled(&self, scaling: &Scaling, i: usize) -> (Wide, Wide) {
+        (self.z.shifted(scaling.q - scaling.columns[i]), self.w.shifted(scaling.q + scaling.rows[i]))
+    }
+
+    /// How far `w_i` is from what z_i asks for, as a part of the magnitude.
+    fn backward_error(&self) -> Wide {
+        if self.z.is_negative() {
+            return Wide::new(f64::MAX).shifted(2);
+        }
+        let is_right = if self.z == Wide::ZERO { !self.w.is_negative() } else { self.w == Wide::ZERO };
+        if is_right { Wide::ZERO } else { self.w.abs().over(self.magnitude) }
+    }
+}
+
+/// Measures a point of a dense problem. O(n^3): one or two factorisations for the bound, after each of which `control` may stop.
 ///
 /// # Errors
 /// `WrongLength` or `NotFinite` for `z`.
-pub fn accuracy(lcp: &Lcp, z: &[f64]) -> Result<Accuracy> {
+pub fn accuracy(lcp: &Lcp, z: &[f64], control: &Control<'_>) -> Result<Accuracy> {
     check(lcp.n(), z)?;
-    let (w, magnitude) = slack(lcp, z);
+    let point = point(lcp, z);
     let problem = Equilibrated::new(lcp);
-    let scaled_z = problem.scaling.z_from_caller(z);
-    let residual = equilibrated_residual(&scaled_z, &slack(&problem.lcp, &scaled_z).0);
-    let bounds = [bound::comparison(&problem, z), bound::definite(lcp, &problem.scaling, z)];
-    Ok(report(z, &w, &magnitude, residual, &bounds))
+    let scaling = &problem.scaling;
+    let bounds = [bound::comparison(&problem, &point, control), bound::definite(lcp, scaling, &point, control)];
+    Ok(report(&point, scaling, &bounds))
 }
 
 /// As [`accuracy`] for a sparse problem; the bound is that of H+-matrices alone. One sparse factorisation.
 ///
 /// # Errors
 /// `WrongLength` or `NotFinite` for `z`.
-pub fn accuracy_sparse(lcp: &SparseLcp, z: &[f64]) -> Result<Accuracy> {
+pub fn accuracy_sparse(lcp: &SparseLcp, z: &[f64], control: &Control<'_>) -> Result<Accuracy> {
     check(lcp.n(), z)?;
-    let (w, magnitude) = lcp.slack(z);
+    let of_row = |i: usize| {
+        let (columns, values) = lcp.row(i);
+        Row::new(z[i], lcp.q()[i], values, |k| z[columns[k]])
+    };
+    let point: Vec<Row> = (0..lcp.n()).map(of_row).collect();
     let Equilibrated { lcp: scaled, scaling, .. } = Equilibrated::new(lcp);
-    let scaled_z = scaling.z_from_caller(z);
-    let residual = equilibrated_residual(&scaled_z, &scaled.slack(&scaled_z).0);
-    let bounds = [bound::comparison_sparse(lcp, &scaled, &scaling, z)];
-    Ok(report(z, &w, &magnitude, residual, &bounds))
+    let bounds = [bound::comparison_sparse(lcp, &scaled, &scaling, &point, control)];
+    Ok(report(&point, &scaling, &bounds))
+}
+
+fn point(lcp: &Lcp, z: &[f64]) -> Vec<Row> {
+    (0..lcp.n()).map(|i| Row::new(z[i], lcp.q()[i], lcp.row(i), |k| z[k])).collect()
 }
 
 fn check(n: usize, z: &[f64]) -> Result<()> {
@@ -64,36 +101,29 @@ fn check(n: usize, z: &[f64]) -> Result<()> {
     check_finite("z", z)
 }
 
-fn report(z: &[f64], w: &[f64], magnitude: &[f64], residual: f64, bounds: &[Bound]) -> Accuracy {
-    let best = bounds.iter().filter(|b| b.value.is_some()).min_by(|a, b| {
-        let value = |b: &Bound| b.value.unwrap_or(f64::INFINITY);
-        value(a).total_cmp(&value(b))
+fn report(point: &[Row], scaling: &Scaling, bounds: &[Bound]) -> Accuracy {
+    let largest = |of: &dyn Fn(usize, &Row) -> Wide| {
+        point.iter().enumerate().map(|(i, row)| of(i, row)).fold(Wide::ZERO, Wide::max)
+    };
+    let size = largest(&|i, row| row.scaled(scaling, i).0.abs());
+    let scaled = largest(&|i, row| {
+        let (z, w) = row.scaled(scaling, i);
+        z.min(w).abs()
     });
-    let chosen = best.or(bounds.first());
+    let proved = bounds.iter().filter_map(|b| b.value.map(|value| (value, b.reason)));
+    let best = proved.min_by(|(a, _), (b, _)| a.total_cmp(b));
     Accuracy {
-        natural_residual: natural_residual(z, w),
-        residual,
-        backward_error: backward_error(z, w, magnitude),
-        error_bound: chosen.and_then(|b| b.value),
-        bound_reason: if best.is_some() { chosen.map_or("", |b| b.reason) } else { bound::NONE },
+        natural_residual: largest(&|_, row| row.z.min(row.w).abs()).to_f64(),
+        residual: scaled.over(size.max(Wide::new(1.0))).to_f64(),
+        backward_error: largest(&|_, row| row.backward_error()).to_f64(),
+        error_bound: best.map(|(value, _)| value),
+        bound_reason: best.map_or(bounds.last().map_or("", |b| b.reason), |(_, reason)| reason),
     }
 }
 
-fn backward_error(z: &[f64], w: &[f64], magnitude: &[f64]) -> f64 {
-    let of_row = |i: usize| {
-        let wrong = if z[i] > 0.0 { w[i].abs() } else { (-w[i]).max(0.0) };
-        match () {
-            () if z[i] < 0.0 => f64::INFINITY,
-            () if wrong == 0.0 => 0.0,
-            () => wrong / magnitude[i],
-        }
-    };
-    (0..z.len()).map(of_row).fold(0.0, f64::max)
-}
-
 /// The solution of `M v = b` for a sparse M given by entries. `None` without a factorisation.
-fn sparse_solve(n: usize, entries: &[(usize, usize, f64)], b: &[f64]) -> Option<Vec<f64>> {
-    let mut factor = SparseFactor::new(n, entries, false)?;
+fn sparse_solve(n: usize, entries: &[(usize, usize, f64)], b: &[f64], control: &Control<'_>) -> Option<Vec<f64>> {
+    let mut factor = SparseFactor::new(n, entries, false).filter(|_| control.expired().is_none())?;
     let mut v = b.to_vec();
     factor.factor(&vec![0.0; n]).then(|| factor.solve(&mut v))?;
     Some(v)

@@ -1,11 +1,13 @@
 //! Rigorous bounds on `max|z - z*|`, for two classes of P-matrices.
 
+use super::Row;
+use super::row::Wide;
+use crate::control::Control;
 use crate::equilibrate::{Equilibrated, Rows};
 use crate::linalg::backend::{DenseCholesky, DenseLu};
 use crate::linalg::kernels::{dot, dot_compensated, max_abs};
 use crate::problem::Lcp;
-use crate::residual::slack;
-use crate::scaling::{Scaling, times_power_of_two};
+use crate::scaling::Scaling;
 use crate::sparse::SparseLcp;
 
 /// A bound, or none, and why.
@@ -15,6 +17,13 @@ pub(super) struct Bound {
     pub(super) reason: &'static str,
 }
 
+impl Bound {
+    /// Without a proof, or without the time for one.
+    fn none(control: &Control<'_>) -> Self {
+        Self { value: None, reason: if control.expired().is_some() { STOPPED } else { NONE } }
+    }
+}
+
 const H_PLUS: &str = "A is an H-matrix with positive diagonal: |z - z*| <= v for v > 0 with <A> v >= |min(diag(A) z, w)|, \
      <A> the comparison matrix [CX06]";
 const DEFINITE: &str =
@@ -22,6 +31,8 @@ const DEFINITE: &str =
 /// Why there is no bound.
 pub(super) const NONE: &str = "none: A was shown neither to be an H-matrix with positive diagonal nor to have A + A' positive \
      definite, so that the solution need not be unique";
+
+const STOPPED: &str = "none: stopped before one was found";
 
 /// Half a unit in the last place, doubled: the error of one operation is below.
 const EPS: f64 = f64::EPSILON;
@@ -34,87 +45,118 @@ fn compensated_error(n: usize, s: f64, m: f64) -> f64 {
     EPS * s.abs() + 2.0 * (n * EPS) * (n * EPS) * m + n * TINY
 }
 
-/// `min(x, y)` of two numbers known up to their errors: its midpoint and how far it may be from there.
-fn minimum(x: f64, x_error: f64, y: f64, y_error: f64) -> (f64, f64) {
-    let (low, high) = ((x - x_error).min(y - y_error), (x + x_error).min(y + y_error));
-    let middle = x.min(y);
-    (middle, (high - middle).max(middle - low) * (1.0 + 4.0 * EPS) + EPS * middle.abs() + TINY)
-}
-
-/// `b_i >= |min(a_ii z_i, w_i)|`.
-fn diagonal_residual(n: usize, a_ii: f64, z: f64, w: f64, magnitude: f64) -> f64 {
-    let x = a_ii * z;
-    let (middle, error) = minimum(x, EPS * x.abs() + TINY, w, compensated_error(n, w, magnitude));
-    (middle.abs() + error) * (1.0 + 4.0 * EPS)
-}
-
 /// Powers of two that change a digit would void the proof.
 fn is_exact(original: &[f64], scaled: &[f64]) -> bool {
     original.iter().zip(scaled).all(|(a, s)| *a == 0.0 || s.is_normal() && a.is_normal())
 }
 
-/// `max 2^(c_i - q) v_i`, rounded up; `None` when it overflows.
-fn in_units_of_the_caller(scaling: &Scaling, v: impl Iterator<Item = f64>) -> Option<f64> {
-    let largest = v.zip(&scaling.columns).map(|(v, c)| times_power_of_two(v, c - scaling.q)).fold(0.0, f64::max);
-    let up = largest * (1.0 + 4.0 * EPS);
-    up.is_finite().then_some(up)
+/// A vector in units of `2^exponent`, at most 1 by size and above rounding level where it is not 0.
+struct InUnits {
+    exponent: i64,
+    numbers: Vec<f64>,
+}
+
+impl InUnits {
+    fn new(x: &[Wide]) -> Self {
+        let exponent = x.iter().map(|x| x.exponent()).max().unwrap_or(0);
+        Self { exponent, numbers: x.iter().map(|x| x.in_units(exponent)).collect() }
+    }
+
+    /// `max 2^(c_i - q) v_i` for v in these units, rounded up.
+    fn largest_of_caller(&self, scaling: &Scaling, v: impl Iterator<Item = Wide>) -> f64 {
+        let exponent = self.exponent as i32 - scaling.q;
+        v.zip(&scaling.columns).map(|(v, c)| v.shifted(exponent + c)).fold(Wide::ZERO, Wide::max).up()
+    }
+}
+
+/// `min(a_ii z_i, w_i)` for every i; the nearest numbers.
+fn diagonal_residual(scaling: &Scaling, diagonal: &[f64], point: &[Row]) -> InUnits {
+    let of_row = |(i, row): (usize, &Row)| {
+        let (z, w) = row.scaled(scaling, i);
+        Wide::new(diagonal[i]).times(z).min(w)
+    };
+    let r: Vec<Wide> = point.iter().enumerate().map(of_row).collect();
+    InUnits::new(&r)
+}
+
+/// Above a number that is known to a few units in the last place or to the smallest double; 0 stays 0.
+fn above(x: f64) -> f64 {
+    if x == 0.0 { 0.0 } else { x.abs() * (1.0 + 8.0 * EPS) + TINY }
 }
 
 /// For H-matrices with positive diagonal. With `I` in the place of the row scaling `diag(A)^-1` this is Theorem 2.1 of
 /// [CX06]; its proof gives the bound entry by entry. O(n^3).
-pub(super) fn comparison(problem: &Equilibrated<'_>, z: &[f64]) -> Bound {
-    let (lcp, scaling) = (&problem.lcp, &problem.scaling);
+pub(super) fn comparison(problem: &Equilibrated<'_>, point: &[Row], control: &Control<'_>) -> Bound {
+    let lcp = &problem.lcp;
     let n = lcp.n();
-    let none = Bound { value: None, reason: NONE };
-    if (0..n).any(|i| lcp.row(i)[i] <= 0.0) || !is_exact(problem.original.a(), lcp.a()) {
-        return none;
+    let diagonal: Vec<f64> = (0..n).map(|i| lcp.row(i)[i]).collect();
+    if diagonal.iter().any(|&a| a <= 0.0) || !is_exact(problem.original.a(), lcp.a()) {
+        return Bound::none(control);
     }
-    let z = scaling.z_from_caller(z);
-    let (w, magnitude) = slack(lcp, &z);
-    let b: Vec<f64> = (0..n).map(|i| diagonal_residual(n, lcp.row(i)[i], z[i], w[i], magnitude[i])).collect();
-    let mut rows = vec![0.0; n * n];
-    for i in 0..n {
-        for (j, (m, a)) in rows[i * n..(i + 1) * n].iter_mut().zip(lcp.row(i)).enumerate() {
-            *m = if i == j { *a } else { -a.abs() };
-        }
-    }
-    let solved = DenseLu::new(n, &rows).map(|lu| lu.solve(&padded(&b)));
-    let Some(v) = solved.filter(|v| v.iter().all(|&v| v > 0.0 && v.is_finite())) else { return none };
-    let products = (0..n).map(|i| dot_compensated(0.0, &rows[i * n..(i + 1) * n], &v));
-    let Some(kappa) = inflation(n, products, &b) else { return none };
-    Bound { value: in_units_of_the_caller(scaling, v.iter().map(|v| kappa * v)), reason: H_PLUS }
+    let mut rows: Vec<f64> = lcp.a().iter().map(|a| -a.abs()).collect();
+    diagonal.iter().enumerate().for_each(|(i, a)| rows[i * n + i] = *a);
+    by_comparison(
+        &problem.scaling,
+        &diagonal,
+        point,
+        control,
+        |b| DenseLu::new(n, &rows).map(|lu| lu.solve(b)),
+        |i, v| dot_compensated(0.0, &rows[i * n..(i + 1) * n], v),
+    )
 }
 
 /// As [`comparison`], with a sparse factorisation.
-pub(super) fn comparison_sparse(original: &SparseLcp, scaled: &SparseLcp, scaling: &Scaling, z: &[f64]) -> Bound {
+pub(super) fn comparison_sparse(
+    original: &SparseLcp,
+    scaled: &SparseLcp,
+    scaling: &Scaling,
+    point: &[Row],
+    control: &Control<'_>,
+) -> Bound {
     let n = scaled.n();
-    let none = Bound { value: None, reason: NONE };
-    let exact = (0..n).all(|i| is_exact(original.row(i).1, scaled.row(i).1));
     let diagonal: Vec<f64> = (0..n).map(|i| scaled.entry(i, i)).collect();
-    if !exact || diagonal.iter().any(|&a| a <= 0.0) {
-        return none;
+    if diagonal.iter().any(|&a| a <= 0.0) || !(0..n).all(|i| is_exact(original.row(i).1, scaled.row(i).1)) {
+        return Bound::none(control);
     }
-    let z = scaling.z_from_caller(z);
-    let (w, magnitude) = scaled.slack(&z);
-    let b: Vec<f64> = (0..n).map(|i| diagonal_residual(n, diagonal[i], z[i], w[i], magnitude[i])).collect();
-    let mut entries = Vec::new();
-    for i in 0..n {
+    let row = |i: usize| {
         let (columns, values) = scaled.row(i);
-        entries.extend(columns.iter().zip(values).map(|(&j, &a)| (i, j, if i == j { a } else { -a.abs() })));
+        columns.iter().zip(values).map(move |(&j, &a)| (j, if i == j { a } else { -a.abs() }))
+    };
+    let entries: Vec<_> = (0..n).flat_map(|i| row(i).map(move |(j, a)| (i, j, a))).collect();
+    by_comparison(
+        scaling,
+        &diagonal,
+        point,
+        control,
+        |b| super::sparse_solve(n, &entries, b, control),
+        |i, v| {
+            let (a, x): (Vec<f64>, Vec<f64>) = row(i).map(|(j, a)| (a, v[j])).unzip();
+            dot_compensated(0.0, &a, &x)
+        },
+    )
+}
+
+/// `solve` and `times` (a row, with the sum of sizes) are those of the comparison matrix.
+fn by_comparison(
+    scaling: &Scaling,
+    diagonal: &[f64],
+    point: &[Row],
+    control: &Control<'_>,
+    solve: impl FnOnce(&[f64]) -> Option<Vec<f64>>,
+    times: impl Fn(usize, &[f64]) -> (f64, f64),
+) -> Bound {
+    let n = point.len();
+    let r = diagonal_residual(scaling, diagonal, point);
+    let b: Vec<f64> = r.numbers.iter().map(|&r| above(r)).collect();
+    if control.expired().is_some() {
+        return Bound::none(control);
     }
-    let solved = super::sparse_solve(n, &entries, &padded(&b));
-    let Some(v) = solved.filter(|v| v.iter().all(|&v| v > 0.0 && v.is_finite())) else { return none };
-    let mut row = (Vec::new(), Vec::new());
-    let products = (0..n).map(|i| {
-        let (columns, values) = scaled.row(i);
-        row.0.clear();
-        row.0.extend(columns.iter().zip(values).map(|(&j, &a)| if i == j { a } else { -a.abs() }));
-        row.1.clear();
-        row.1.extend(columns.iter().map(|&j| v[j]));
-        dot_compensated(0.0, &row.0, &row.1)
-    });
-    let Some(kappa) = inflation(n, products, &b) else { return none };
-    Bound { value: in_units_of_the_caller(scaling, v.iter().map(|v| kappa * v)), reason: H_PLUS }
+    let Some(v) = solve(&padded(&b)).filter(|v| v.iter().all(|&v| v > 0.0 && v.is_finite())) else {
+        return Bound::none(control);
+    };
+    let Some(kappa) = inflation(n, (0..n).map(|i| times(i, &v)), &b) else { return Bound::none(control) };
+    let v = v.into_iter().map(|v| Wide::new(v).times(Wide::new(kappa)));
+    Bound { value: Some(r.largest_of_caller(scaling, v)), reason: H_PLUS }
 }
 
 /// b plus a little everywhere, so that `<A> v` comes out positive in every row.
@@ -137,55 +179,60 @@ fn inflation(n: usize, products: impl Iterator<Item = (f64, f64)>, b: &[f64]) ->
         }
         kappa = kappa.max(b / lower * (1.0 + 2.0 * EPS));
     }
-    Some(kappa * (1.0 + 4.0 * EPS))
+    Some(kappa * (1.0 + 4.0 * EPS)).filter(|kappa| kappa.is_finite())
 }
 
 /// For `A + A'` positive definite. With `r = min(z, w)` the point `z - r` solves the problem with `q + (A - I) r`, and two
 /// solutions differ by at most the difference of their q over lambda. O(n^3).
-pub(super) fn definite(lcp: &Lcp, scaling: &Scaling, z: &[f64]) -> Bound {
+pub(super) fn definite(lcp: &Lcp, scaling: &Scaling, point: &[Row], control: &Control<'_>) -> Bound {
     let n = lcp.n();
-    let none = Bound { value: None, reason: NONE };
     let congruent = Equilibrated::with(lcp, scaling.congruent(lcp.q()));
-    let scaled = &congruent.lcp;
+    let (scaled, scaling) = (&congruent.lcp, &congruent.scaling);
     if n == 0 || !is_exact(lcp.a(), scaled.a()) {
-        return none;
+        return Bound::none(control);
     }
-    let Some(lambda) = least_eigenvalue(scaled) else { return none };
-    let z = congruent.scaling.z_from_caller(z);
-    let (w, magnitude) = slack(scaled, &z);
-    let (r, error): (Vec<f64>, Vec<f64>) =
-        (0..n).map(|i| minimum(z[i], 0.0, w[i], compensated_error(n, w[i], magnitude[i]))).unzip();
-    let (size, rounding) = (r.iter().map(|r| r.abs()).collect::<Vec<_>>(), 2.0 * (n + 4) as f64 * EPS);
-    let mut square = 0.0;
-    for i in 0..n {
+    let Some(lambda) = least_eigenvalue(scaled, control) else { return Bound::none(control) };
+    let least = |(i, row): (usize, &Row)| {
+        let (z, w) = row.scaled(scaling, i);
+        z.min(w)
+    };
+    let r: Vec<Wide> = point.iter().enumerate().map(least).collect();
+    let units = InUnits::new(&r);
+    let (r, rounding) = (&units.numbers, 2.0 * (n + 8) as f64 * EPS);
+    let size: Vec<f64> = r.iter().map(|&r| above(r)).collect();
+    let product = |i: usize| {
         let row: Vec<f64> = scaled.row(i).iter().map(|a| a.abs()).collect();
-        let product = (dot(scaled.row(i), &r) - r[i]).abs();
-        let up = product
-            + rounding * (dot(&row, &size) + size[i])
-            + (dot(&row, &error) + error[i]) * (1.0 + rounding)
-            + n as f64 * TINY;
-        square += up * up;
+        (dot(scaled.row(i), r) - r[i]).abs() + rounding * (dot(&row, &size) + size[i]) + n as f64 * TINY
+    };
+    let products: Vec<f64> = (0..n).map(product).collect();
+    let largest = max_abs(&products);
+    let norm = largest * products.iter().map(|p| (p / largest).powi(2)).sum::<f64>().sqrt();
+    if size.iter().all(|&r| r == 0.0) {
+        return Bound { value: Some(0.0), reason: DEFINITE };
     }
-    let largest = size.iter().zip(&error).map(|(r, e)| r + e).fold(0.0, f64::max);
-    let bound = (largest + square.sqrt() / lambda) * (1.0 + 2.0 * rounding);
-    let value = in_units_of_the_caller(&congruent.scaling, std::iter::repeat_n(bound, n));
-    Bound { value, reason: DEFINITE }
+    let bound = (max_abs(&size) + norm / lambda) * (1.0 + 2.0 * rounding);
+    let value = if bound.is_finite() {
+        units.largest_of_caller(scaling, std::iter::repeat_n(Wide::new(bound), n))
+    } else {
+        f64::INFINITY
+    };
+    Bound { value: Some(value), reason: DEFINITE }
 }
 
 /// A positive number below the least eigenvalue of `(A + A') / 2`: when Cholesky of `S - mu I` runs to its end,
 /// `S - mu I` has no eigenvalue below its backward error. [Rum06]
-fn least_eigenvalue(lcp: &Lcp) -> Option<f64> {
+fn least_eigenvalue(lcp: &Lcp, control: &Control<'_>) -> Option<f64> {
     let n = lcp.n();
     let symmetric = |i: usize, j: usize| 0.5 * (lcp.row(i)[j] + lcp.row(j)[i]);
     let mut s: Vec<f64> = (0..n * n).map(|k| symmetric(k / n, k % n)).collect();
-    let estimate = estimate(n, &s)?;
+    let estimate = estimate(n, &s, control)?;
     let trace: f64 = (0..n).map(|i| s[i * n + i]).sum();
     // gamma_{n+1} of [Rum06] with room for blocked sums, and the rounding of S and of the shift.
-    let backward = 8.0 * (n + 8) as f64 * EPS * (trace + max_abs(&s) * n as f64);
+    let backward = 8.0 * (n + 8) as f64 * EPS * (trace + max_abs(&s) * n as f64) + n as f64 * TINY;
     let mut shifted = 0.0;
     for fraction in [0.99, 0.9, 0.5, 0.1] {
         let mu = fraction * estimate;
-        if mu <= 2.0 * backward {
+        if mu <= 2.0 * backward || control.expired().is_some() {
             return None;
         }
         (0..n).for_each(|i| s[i * n + i] -= mu - shifted);
@@ -198,11 +245,14 @@ fn least_eigenvalue(lcp: &Lcp) -> Option<f64> {
 }
 
 /// Inverse iteration: near the least eigenvalue, from above. `None` when S is not positive definite to rounding.
-fn estimate(n: usize, s: &[f64]) -> Option<f64> {
+fn estimate(n: usize, s: &[f64], control: &Control<'_>) -> Option<f64> {
     let factor = DenseCholesky::new(n, s)?;
     let mut x: Vec<f64> = (0..n).map(|i| 1.0 + ((i * 7919) % 101) as f64 / 101.0).collect();
     let mut lambda = f64::INFINITY;
     for _ in 0..INVERSE_ITERATIONS {
+        if control.expired().is_some() {
+            return None;
+        }
         let norm = dot(&x, &x).sqrt();
         x.iter_mut().for_each(|x| *x /= norm);
         x = factor.solve(&x);
