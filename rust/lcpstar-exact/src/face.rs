@@ -7,7 +7,7 @@ use super::int::Int;
 use super::lp::{self, Feasibility};
 use super::proof::{ExactSolution, check_solution, spread};
 use super::rows::Rows;
-use crate::problem::Lcp;
+use crate::problem::Problem;
 use num_bigint::BigInt;
 use num_traits::Zero;
 
@@ -17,7 +17,7 @@ use num_traits::Zero;
 /// they leave something open, too, those entries keep their values of `z`. One p-adic solve of order `|support|`.
 #[must_use]
 pub fn prove_tight(
-    lcp: &Lcp,
+    lcp: Problem<'_>,
     z: &[f64],
     support: &[usize],
     tight: &[usize],
@@ -31,7 +31,7 @@ pub fn prove_tight(
 
 /// Any solution with `z_i = 0` off `alpha` and `w_alpha = 0`, by one exact linear programme: for small n.
 #[must_use]
-pub fn prove_by_programme(lcp: &Lcp, alpha: &[usize]) -> Option<ExactSolution> {
+pub fn prove_by_programme(lcp: Problem<'_>, alpha: &[usize]) -> Option<ExactSolution> {
     let n = lcp.n();
     // Row i times a power of two is in integers, which changes only the unit of its slack.
     let rows: Vec<Vec<Int>> = (0..n)
@@ -53,7 +53,7 @@ pub fn prove_by_programme(lcp: &Lcp, alpha: &[usize]) -> Option<ExactSolution> {
     checked(lcp, alpha, RationalVec { numerators, denominator: denominator.to_big() })
 }
 
-fn checked(lcp: &Lcp, alpha: &[usize], z: RationalVec) -> Option<ExactSolution> {
+fn checked(lcp: Problem<'_>, alpha: &[usize], z: RationalVec) -> Option<ExactSolution> {
     check_solution(lcp, &z).then(|| ExactSolution { alpha: alpha.to_vec(), z })
 }
 
@@ -61,32 +61,28 @@ fn checked(lcp: &Lcp, alpha: &[usize], z: RationalVec) -> Option<ExactSolution> 
 mod tests {
     use super::*;
 
-    fn lcp(n: usize, a: &[f64], q: &[f64]) -> Lcp {
-        Lcp::new(n, a.to_vec(), q.to_vec()).expect("valid")
-    }
-
     /// `z_1 = 1/3` is fixed by row 2 alone: `A[{1}, {1}] = 0`.
     #[test]
     fn a_tight_row_outside_the_support_fixes_the_point() {
-        let p = lcp(2, &[0.0, 1.0, 3.0, 1.0], &[0.0, -1.0]);
+        let p = Problem::new(&[0.0, 1.0, 3.0, 1.0], &[0.0, -1.0]);
         let third = [1.0 / 3.0, 0.0];
-        let proved = prove_tight(&p, &third, &[0], &[0, 1], &|| false).expect("w = 0 in both rows");
+        let proved = prove_tight(p, &third, &[0], &[0, 1], &|| false).expect("w = 0 in both rows");
         assert_eq!(proved.z.denominator, BigInt::from(3));
-        assert!(prove_tight(&p, &third, &[0], &[0], &|| false).is_none(), "fl(1/3) is below 1/3");
+        assert!(prove_tight(p, &third, &[0], &[0], &|| false).is_none(), "fl(1/3) is below 1/3");
     }
 
     #[test]
     fn entries_that_the_rows_leave_open_keep_their_values() {
-        let p = lcp(2, &[1.0, 1.0, 1.0, 1.0], &[-1.0, -1.0]);
-        let proved = prove_tight(&p, &[0.25, 0.75], &[0, 1], &[0, 1], &|| false).expect("a point of the face");
+        let p = Problem::new(&[1.0, 1.0, 1.0, 1.0], &[-1.0, -1.0]);
+        let proved = prove_tight(p, &[0.25, 0.75], &[0, 1], &[0, 1], &|| false).expect("a point of the face");
         assert_eq!(proved.z.to_f64(), [0.25, 0.75]);
     }
 
     #[test]
     fn a_programme_finds_a_point_of_the_face_or_says_no() {
-        let p = lcp(3, &[0.0, 0.0, 1.0, 3.0, -1.0, 0.0, -2.0, 3.0, 1.0], &[0.0, 1.0, 1.0]);
-        assert!(prove_by_programme(&p, &[0]).is_some());
-        let none = lcp(2, &[0.0, 0.0, -1.0, 0.0], &[-1.0, 0.0]);
-        assert!(prove_by_programme(&none, &[0]).is_none());
+        let p = Problem::new(&[0.0, 0.0, 1.0, 3.0, -1.0, 0.0, -2.0, 3.0, 1.0], &[0.0, 1.0, 1.0]);
+        assert!(prove_by_programme(p, &[0]).is_some());
+        let none = Problem::new(&[0.0, 0.0, -1.0, 0.0], &[-1.0, 0.0]);
+        assert!(prove_by_programme(none, &[0]).is_none());
     }
 }

@@ -4,12 +4,12 @@ use super::dyadic::{RationalVec, linear_form};
 use super::padic::Unsolved;
 use super::proof::spread;
 use super::rows::{GUESSES, Rows};
-use crate::problem::Lcp;
+use crate::problem::Problem;
 use num_traits::Signed;
 
 /// Whether the rational `y` is a Farkas vector: `y >= 0`, `A'y <= 0`, `q'y < 0`. Then FEA(q, A) is empty.
 #[must_use]
-pub fn check_farkas(lcp: &Lcp, y: &RationalVec) -> bool {
+pub fn check_farkas(lcp: Problem<'_>, y: &RationalVec) -> bool {
     let n = lcp.n();
     let support = y.support();
     y.len() == n
@@ -20,14 +20,14 @@ pub fn check_farkas(lcp: &Lcp, y: &RationalVec) -> bool {
 
 /// [`check_farkas`] for doubles, read as the binary numbers they are.
 #[must_use]
-pub fn prove_farkas(lcp: &Lcp, y: &[f64]) -> bool {
+pub fn prove_farkas(lcp: Problem<'_>, y: &[f64]) -> bool {
     check_farkas(lcp, &RationalVec::from_f64(y))
 }
 
 /// An exact Farkas vector next to the approximate `y`: small entries and nearly vanishing columns are guessed to be
 /// zero, the equations are solved exactly with `q'y = q'y` of the doubles, and the result is checked.
 #[must_use]
-pub fn repair_farkas(lcp: &Lcp, y: &[f64], stop: &dyn Fn() -> bool) -> Option<RationalVec> {
+pub fn repair_farkas(lcp: Problem<'_>, y: &[f64], stop: &dyn Fn() -> bool) -> Option<RationalVec> {
     let n = lcp.n();
     let largest = y.iter().fold(0.0, |m: f64, x| m.max(*x));
     if largest <= 0.0 || !largest.is_finite() {
@@ -79,13 +79,9 @@ mod tests {
         false
     }
 
-    fn lcp(n: usize, a: &[f64], q: &[f64]) -> Lcp {
-        Lcp::new(n, a.to_vec(), q.to_vec()).expect("valid")
-    }
-
     #[test]
     fn each_statement_about_a_farkas_vector_is_checked() {
-        let check = |a: f64, q: f64, y: &[f64]| check_farkas(&lcp(1, &[a], &[q]), &RationalVec::from_f64(y));
+        let check = |a: f64, q: f64, y: &[f64]| check_farkas(Problem::new(&[a], &[q]), &RationalVec::from_f64(y));
         assert!(check(-1.0, -1.0, &[1.0]));
         assert!(!check(1.0, -1.0, &[1.0]), "A'y > 0");
         assert!(!check(1.0, 1.0, &[-1.0]), "y < 0");
@@ -95,10 +91,10 @@ mod tests {
 
     #[test]
     fn a_farkas_vector_is_checked_and_repaired() {
-        let p = lcp(2, &[0.0, -0.1, -0.3, 0.0], &[1.0, -1.0]);
-        assert!(prove_farkas(&p, &[0.0, 1.0]));
-        assert!(!prove_farkas(&p, &[1.0, 0.0]));
-        let skew = lcp(2, &[0.0, 0.7, -0.7, 0.0], &[0.0, -1.0]);
-        assert!(repair_farkas(&skew, &[1e-17, 1.0], &never).is_some());
+        let p = Problem::new(&[0.0, -0.1, -0.3, 0.0], &[1.0, -1.0]);
+        assert!(prove_farkas(p, &[0.0, 1.0]));
+        assert!(!prove_farkas(p, &[1.0, 0.0]));
+        let skew = Problem::new(&[0.0, 0.7, -0.7, 0.0], &[0.0, -1.0]);
+        assert!(repair_farkas(skew, &[1e-17, 1.0], &never).is_some());
     }
 }

@@ -4,8 +4,8 @@
 
 use super::dyadic::{RationalVec, Scaled, linear_form};
 use super::padic::{Block, Unsolved};
-use crate::pivoting::Var;
-use crate::problem::Lcp;
+use crate::problem::Problem;
+use crate::var::Var;
 use num_bigint::BigInt;
 use num_traits::{Signed, Zero};
 
@@ -38,7 +38,7 @@ pub fn costs(n: usize) -> Vec<f64> {
 /// `20 + 2 n` of them least-index (criss-cross) steps, which are finite from any basis. Every verdict is exact. Three
 /// p-adic solves a pivot. Call it on the equilibrated problem, in which the costs are of one size.
 #[must_use]
-pub fn feasibility(lcp: &Lcp, rho: &[usize], beta: &[usize], stop: &dyn Fn() -> bool) -> Feasibility {
+pub fn feasibility(lcp: Problem<'_>, rho: &[usize], beta: &[usize], stop: &dyn Fn() -> bool) -> Feasibility {
     let mut state = Crisscross { lcp, rho: rho.to_vec(), beta: beta.to_vec(), cost: costs(lcp.n()) };
     let mut pivots = 0;
     loop {
@@ -54,7 +54,7 @@ pub fn feasibility(lcp: &Lcp, rho: &[usize], beta: &[usize], stop: &dyn Fn() -> 
 }
 
 struct Crisscross<'a> {
-    lcp: &'a Lcp,
+    lcp: Problem<'a>,
     rho: Vec<usize>,
     beta: Vec<usize>,
     cost: Vec<f64>,
@@ -192,8 +192,8 @@ mod tests {
             for _ in 0..80 {
                 let a: Vec<f64> = (0..n * n).map(|_| f64::from(draw.u32(..5)) - 3.0).collect();
                 let q: Vec<f64> = (0..n).map(|_| f64::from(draw.u32(..5)) - 3.0).collect();
-                let lcp = Lcp::new(n, a, q).expect("valid");
-                match feasibility(&lcp, &[], &[], &never) {
+                let lcp = Problem::new(&a, &q);
+                match feasibility(lcp, &[], &[], &never) {
                     Feasibility::Feasible(z) => {
                         assert!(z.numerators.iter().all(|x| !x.is_negative()));
                         for i in 0..n {
@@ -204,7 +204,7 @@ mod tests {
                         yes += 1;
                     }
                     Feasibility::Infeasible(y) => {
-                        assert!(check_farkas(&lcp, &y));
+                        assert!(check_farkas(lcp, &y));
                         no += 1;
                     }
                     Feasibility::Interrupted => panic!("not asked to stop"),

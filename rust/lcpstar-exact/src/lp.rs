@@ -129,7 +129,7 @@ pub fn packing(b: &[Vec<Int>]) -> (Vec<Int>, Vec<Int>, Int) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::exact::int::dot;
+    use crate::int::dot;
 
     fn ints(x: &[i64]) -> Vec<Int> {
         x.iter().map(|&v| v.into()).collect()

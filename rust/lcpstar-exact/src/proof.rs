@@ -6,7 +6,7 @@
 use super::dyadic::{RationalVec, Scaled, linear_form};
 use super::padic::{Block, Unsolved};
 use super::rows::Rows;
-use crate::problem::Lcp;
+use crate::problem::Problem;
 use num_bigint::BigInt;
 use num_traits::{Signed, Zero};
 use std::cmp::Ordering;
@@ -23,7 +23,7 @@ pub struct ExactSolution {
 impl ExactSolution {
     /// `w = A z + q`, exactly.
     #[must_use]
-    pub fn w(&self, lcp: &Lcp) -> RationalVec {
+    pub fn w(&self, lcp: Problem<'_>) -> RationalVec {
         exact_w(lcp, &self.z)
     }
 }
@@ -54,7 +54,7 @@ pub enum ProofOutcome {
 /// rows of `alpha` hold. Cost: one p-adic solve of order `|alpha|`, then `n |alpha|` flops and an exact sum for each
 /// row that they cannot decide.
 #[must_use]
-pub fn prove_solution(lcp: &Lcp, alpha: &[usize], stop: &dyn Fn() -> bool) -> ProofOutcome {
+pub fn prove_solution(lcp: Problem<'_>, alpha: &[usize], stop: &dyn Fn() -> bool) -> ProofOutcome {
     let block = Block::new(alpha.len(), |i, j| lcp.row(alpha[i])[alpha[j]]);
     let rhs: Vec<Scaled> = alpha.iter().map(|&i| Scaled::from_f64(-lcp.q()[i])).collect();
     match block.and_then(|block| block.solve(&rhs, stop)) {
@@ -64,7 +64,7 @@ pub fn prove_solution(lcp: &Lcp, alpha: &[usize], stop: &dyn Fn() -> bool) -> Pr
     }
 }
 
-fn prove_singular(lcp: &Lcp, alpha: &[usize], stop: &dyn Fn() -> bool) -> ProofOutcome {
+fn prove_singular(lcp: Problem<'_>, alpha: &[usize], stop: &dyn Fn() -> bool) -> ProofOutcome {
     let k = alpha.len();
     let values = vec![0.0; k];
     let rows = Rows { count: k, entry: &|i, j| lcp.row(alpha[i])[alpha[j]], rhs: &|i| -lcp.q()[alpha[i]] };
@@ -78,7 +78,7 @@ fn prove_singular(lcp: &Lcp, alpha: &[usize], stop: &dyn Fn() -> bool) -> ProofO
     }
 }
 
-fn conclude(lcp: &Lcp, alpha: &[usize], z: RationalVec, rows_hold: bool) -> ProofOutcome {
+fn conclude(lcp: Problem<'_>, alpha: &[usize], z: RationalVec, rows_hold: bool) -> ProofOutcome {
     if let Some(i) = z.numerators.iter().position(Signed::is_negative) {
         return ProofOutcome::NegativeZ(i);
     }
@@ -102,7 +102,7 @@ fn conclude(lcp: &Lcp, alpha: &[usize], z: RationalVec, rows_hold: bool) -> Proo
 
 /// Whether `z` solves LCP(q, A) exactly.
 #[must_use]
-pub fn check_solution(lcp: &Lcp, z: &RationalVec) -> bool {
+pub fn check_solution(lcp: Problem<'_>, z: &RationalVec) -> bool {
     let signs = WSigns::new(lcp, z);
     z.len() == lcp.n()
         && (0..lcp.n()).all(|i| {
@@ -115,26 +115,26 @@ pub fn check_solution(lcp: &Lcp, z: &RationalVec) -> bool {
         })
 }
 
-fn exact_w(lcp: &Lcp, z: &RationalVec) -> RationalVec {
+fn exact_w(lcp: Problem<'_>, z: &RationalVec) -> RationalVec {
     let w = (0..lcp.n()).map(|i| exact_row(lcp, i, z)).collect();
     RationalVec::from_scaled(w, z.denominator.clone())
 }
 
-fn exact_row(lcp: &Lcp, i: usize, z: &RationalVec) -> Scaled {
+fn exact_row(lcp: Problem<'_>, i: usize, z: &RationalVec) -> Scaled {
     let terms = lcp.row(i).iter().copied().zip(&z.numerators);
     linear_form(terms.chain(std::iter::once((lcp.q()[i], &z.denominator))))
 }
 
 /// Signs of `(A z + q)_i`: doubles under an error bound, integers where that does not decide.
 struct WSigns<'a> {
-    lcp: &'a Lcp,
+    lcp: Problem<'a>,
     z: &'a RationalVec,
     rounded: Vec<f64>,
     faithful: bool,
 }
 
 impl<'a> WSigns<'a> {
-    fn new(lcp: &'a Lcp, z: &'a RationalVec) -> Self {
+    fn new(lcp: Problem<'a>, z: &'a RationalVec) -> Self {
         let rounded = z.to_f64();
         let faithful = rounded.iter().zip(&z.numerators).all(|(x, v)| x.is_normal() || v.is_zero());
         Self { lcp, z, rounded, faithful }
@@ -177,12 +177,8 @@ mod tests {
         false
     }
 
-    fn lcp(n: usize, a: &[f64], q: &[f64]) -> Lcp {
-        Lcp::new(n, a.to_vec(), q.to_vec()).expect("valid")
-    }
-
     /// Gauss elimination in fractions: the basic point of alpha, or None when the block is singular.
-    fn brute_basic_point(lcp: &Lcp, alpha: &[usize]) -> Option<Vec<BigRational>> {
+    fn brute_basic_point(lcp: Problem<'_>, alpha: &[usize]) -> Option<Vec<BigRational>> {
         let k = alpha.len();
         let number = |x: f64| BigRational::from_float(x).expect("finite");
         let mut t: Vec<Vec<BigRational>> = alpha
@@ -209,7 +205,7 @@ mod tests {
         Some(z)
     }
 
-    fn brute_w(lcp: &Lcp, z: &[BigRational], i: usize) -> BigRational {
+    fn brute_w(lcp: Problem<'_>, z: &[BigRational], i: usize) -> BigRational {
         let number = |x: f64| BigRational::from_float(x).expect("finite");
         lcp.row(i).iter().zip(z).fold(number(lcp.q()[i]), |s, (&a, z)| s + number(a) * z)
     }
@@ -223,21 +219,21 @@ mod tests {
             let n = 4;
             let a: Vec<f64> = (0..n * n).map(|_| draw(5) - 2.0).collect();
             let q: Vec<f64> = (0..n).map(|_| draw(5) - 3.0).collect();
-            let problem = lcp(n, &a, &q);
+            let problem = Problem::new(&a, &q);
             for mask in 0..1usize << n {
                 let alpha: Vec<usize> = (0..n).filter(|i| mask >> i & 1 == 1).collect();
-                let outcome = prove_solution(&problem, &alpha, &never);
-                let Some(z) = brute_basic_point(&problem, &alpha) else {
+                let outcome = prove_solution(problem, &alpha, &never);
+                let Some(z) = brute_basic_point(problem, &alpha) else {
                     if let ProofOutcome::Proved(s) = &outcome {
-                        assert!(check_solution(&problem, &s.z));
+                        assert!(check_solution(problem, &s.z));
                     }
                     continue;
                 };
                 let solves =
-                    z.iter().all(|x| !x.is_negative()) && (0..n).all(|i| !brute_w(&problem, &z, i).is_negative());
+                    z.iter().all(|x| !x.is_negative()) && (0..n).all(|i| !brute_w(problem, &z, i).is_negative());
                 match outcome {
                     ProofOutcome::Proved(s) => {
-                        assert!(solves && check_solution(&problem, &s.z));
+                        assert!(solves && check_solution(problem, &s.z));
                         for i in 0..n {
                             let exact = BigRational::new(s.z.numerators[i].clone(), s.z.denominator.clone());
                             assert_eq!(exact, z[i]);
@@ -245,7 +241,7 @@ mod tests {
                         proved += 1;
                     }
                     ProofOutcome::NegativeZ(i) => assert!(z[i].is_negative()),
-                    ProofOutcome::NegativeW(i) => assert!(brute_w(&problem, &z, i).is_negative()),
+                    ProofOutcome::NegativeW(i) => assert!(brute_w(problem, &z, i).is_negative()),
                     other => panic!("{other:?}"),
                 }
             }
@@ -255,7 +251,7 @@ mod tests {
 
     #[test]
     fn each_statement_about_a_solution_is_checked() {
-        let check = |a: f64, q: f64, z: &[f64]| check_solution(&lcp(1, &[a], &[q]), &RationalVec::from_f64(z));
+        let check = |a: f64, q: f64, z: &[f64]| check_solution(Problem::new(&[a], &[q]), &RationalVec::from_f64(z));
         assert!(check(1.0, -1.0, &[1.0]) && check(1.0, 1.0, &[0.0]) && check(0.0, 0.0, &[1.0]));
         assert!(!check(1.0, -1.0, &[0.0]), "w < 0");
         assert!(!check(0.0, 0.0, &[-1.0]), "z < 0 = w");
@@ -268,17 +264,18 @@ mod tests {
     fn a_tie_that_rounding_hides_is_decided() {
         // w_2 = 1 - 3 z_1 with z_1 = fl(1/3) solves exactly 1 - 3 fl(1/3) = 2^-54 > 0, and -2^-54 with the signs swapped.
         let third = 1.0 / 3.0;
-        let up = lcp(2, &[1.0, 0.0, -3.0, 1.0], &[-third, 1.0]);
-        assert!(matches!(prove_solution(&up, &[0], &never), ProofOutcome::Proved(_)));
-        let down = lcp(2, &[1.0, 0.0, 3.0, 1.0], &[-third, -1.0]);
-        assert_eq!(prove_solution(&down, &[0], &never), ProofOutcome::NegativeW(1));
+        let (up, down) = ([-third, 1.0], [-third, -1.0]);
+        let up = Problem::new(&[1.0, 0.0, -3.0, 1.0], &up);
+        assert!(matches!(prove_solution(up, &[0], &never), ProofOutcome::Proved(_)));
+        let down = Problem::new(&[1.0, 0.0, 3.0, 1.0], &down);
+        assert_eq!(prove_solution(down, &[0], &never), ProofOutcome::NegativeW(1));
     }
 
     #[test]
     fn a_singular_block_with_a_consistent_system_is_proved() {
-        let p = lcp(2, &[1.0, 1.0, 1.0, 1.0], &[-1.0, -1.0]);
-        assert!(matches!(prove_solution(&p, &[0, 1], &never), ProofOutcome::Proved(_)));
-        let bad = lcp(2, &[1.0, 1.0, 1.0, 1.0], &[-1.0, -2.0]);
-        assert_eq!(prove_solution(&bad, &[0, 1], &never), ProofOutcome::Singular { rank: 1 });
+        let p = Problem::new(&[1.0, 1.0, 1.0, 1.0], &[-1.0, -1.0]);
+        assert!(matches!(prove_solution(p, &[0, 1], &never), ProofOutcome::Proved(_)));
+        let bad = Problem::new(&[1.0, 1.0, 1.0, 1.0], &[-1.0, -2.0]);
+        assert_eq!(prove_solution(bad, &[0, 1], &never), ProofOutcome::Singular { rank: 1 });
     }
 }

@@ -3,7 +3,7 @@
 use super::dyadic::{RationalVec, linear_form, ratio_to_f64};
 use super::proof::spread;
 use super::rows::{GUESSES, Rows};
-use crate::problem::Lcp;
+use crate::problem::Problem;
 use num_bigint::BigInt;
 use num_traits::{Signed, Zero};
 
@@ -18,7 +18,7 @@ pub struct ExactRay {
 
 /// Whether `ray` is a ray for the covering vector `d`.
 #[must_use]
-pub fn check_ray(lcp: &Lcp, d: &[f64], ray: &ExactRay) -> bool {
+pub fn check_ray(lcp: Problem<'_>, d: &[f64], ray: &ExactRay) -> bool {
     ray.z.numerators.iter().all(|x| !x.is_negative())
         && ray.z.numerators.iter().any(|x| !x.is_zero())
         && !ray.z0.is_negative()
@@ -31,7 +31,7 @@ pub fn check_ray(lcp: &Lcp, d: &[f64], ray: &ExactRay) -> bool {
 
 /// An exact secondary ray next to the approximate `(z, z0)`.
 #[must_use]
-pub fn prove_ray(lcp: &Lcp, d: &[f64], z: &[f64], z0: f64, stop: &dyn Fn() -> bool) -> Option<ExactRay> {
+pub fn prove_ray(lcp: Problem<'_>, d: &[f64], z: &[f64], z0: f64, stop: &dyn Fn() -> bool) -> Option<ExactRay> {
     let n = lcp.n();
     let largest = z.iter().fold(0.0, |m: f64, x| m.max(*x));
     if largest <= 0.0 || !largest.is_finite() {
@@ -84,16 +84,12 @@ mod tests {
         false
     }
 
-    fn lcp(n: usize, a: &[f64], q: &[f64]) -> Lcp {
-        Lcp::new(n, a.to_vec(), q.to_vec()).expect("valid")
-    }
-
     #[test]
     fn each_statement_about_a_ray_is_checked() {
         let check = |a: &[f64], z: &[f64], z0: i64| {
             let n = z.len();
             let ray = ExactRay { z: RationalVec::from_f64(z), z0: BigInt::from(z0) };
-            check_ray(&lcp(n, a, &vec![-1.0; n]), &vec![1.0; n], &ray)
+            check_ray(Problem::new(a, &vec![-1.0; n]), &vec![1.0; n], &ray)
         };
         assert!(check(&[0.0], &[1.0], 0) && check(&[-1.0], &[1.0], 1));
         assert!(!check(&[0.0], &[-1.0], 0), "z < 0");
@@ -106,9 +102,9 @@ mod tests {
     #[test]
     fn a_ray_is_made_exact() {
         // Feasible direction of a skew matrix.
-        let p = lcp(2, &[0.0, -1.0 / 3.0, 1.0 / 3.0, 0.0], &[-1.0, -1.0]);
-        let ray = prove_ray(&p, &[1.0, 1.0], &[1.0, 1e-18], 0.0, &never).expect("ray");
-        assert!(check_ray(&p, &[1.0, 1.0], &ray));
-        assert!(prove_ray(&p, &[1.0, 1.0], &[0.0, 1.0], 0.0, &never).is_none());
+        let p = Problem::new(&[0.0, -1.0 / 3.0, 1.0 / 3.0, 0.0], &[-1.0, -1.0]);
+        let ray = prove_ray(p, &[1.0, 1.0], &[1.0, 1e-18], 0.0, &never).expect("ray");
+        assert!(check_ray(p, &[1.0, 1.0], &ray));
+        assert!(prove_ray(p, &[1.0, 1.0], &[0.0, 1.0], 0.0, &never).is_none());
     }
 }

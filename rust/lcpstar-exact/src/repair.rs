@@ -7,8 +7,8 @@ use super::dyadic::{RationalVec, Scaled, linear_form};
 use super::padic::{Block, Unsolved, independent_rows_and_columns};
 use super::proof::{ExactSolution, ProofOutcome, prove_solution};
 use super::ray::ExactRay;
-use crate::pivoting::Var;
-use crate::problem::Lcp;
+use crate::problem::Problem;
+use crate::var::Var;
 use num_bigint::BigInt;
 use num_traits::{Signed, ToPrimitive, Zero};
 use std::cmp::Ordering;
@@ -32,7 +32,7 @@ pub enum Repaired {
 ///
 /// Cost: one factorisation modulo a prime and two p-adic solves a pivot, more only on exact ties.
 #[must_use]
-pub fn repair(lcp: &Lcp, alpha: &[usize], stop: &dyn Fn() -> bool) -> Repaired {
+pub fn repair(lcp: Problem<'_>, alpha: &[usize], stop: &dyn Fn() -> bool) -> Repaired {
     let k = alpha.len();
     let order: Vec<usize> = (0..k).collect();
     let (rows, _) = independent_rows_and_columns(k, k, |i, j| lcp.row(alpha[i])[alpha[j]], &order);
@@ -48,7 +48,7 @@ pub fn repair(lcp: &Lcp, alpha: &[usize], stop: &dyn Fn() -> bool) -> Repaired {
 
 /// The proof of an answer with basis `alpha`: [`prove_solution`] where the basis is right, [`repair`] where it is not.
 #[must_use]
-pub fn prove(lcp: &Lcp, alpha: &[usize], stop: &dyn Fn() -> bool) -> Repaired {
+pub fn prove(lcp: Problem<'_>, alpha: &[usize], stop: &dyn Fn() -> bool) -> Repaired {
     match prove_solution(lcp, alpha, stop) {
         ProofOutcome::Proved(solution) => Repaired::Solved(solution, 0),
         ProofOutcome::Interrupted => Repaired::Interrupted,
@@ -64,7 +64,7 @@ struct Values {
 }
 
 struct Path<'a> {
-    lcp: &'a Lcp,
+    lcp: Problem<'a>,
     /// The start: `d = C g`, C its complementary matrix and g = e, exactly.
     start: Vec<bool>,
     /// d as an unevaluated sum of double vectors.
@@ -76,7 +76,7 @@ struct Path<'a> {
 }
 
 impl<'a> Path<'a> {
-    fn new(lcp: &'a Lcp, alpha: &[usize]) -> Self {
+    fn new(lcp: Problem<'a>, alpha: &[usize]) -> Self {
         let n = lcp.n();
         let mut start = vec![false; n];
         for &i in alpha {
@@ -281,7 +281,7 @@ enum Column {
 }
 
 /// `C e` as an unevaluated sum of vectors of doubles; a sum that no double can hold is one of several large ones.
-fn covering_vector(lcp: &Lcp, alpha: &[usize], start: &[bool]) -> Vec<Vec<f64>> {
+fn covering_vector(lcp: Problem<'_>, alpha: &[usize], start: &[bool]) -> Vec<Vec<f64>> {
     let n = lcp.n();
     let one = BigInt::from(1);
     let mut parts: Vec<Vec<f64>> = Vec::new();
@@ -336,15 +336,15 @@ mod tests {
             for _ in 0..60 {
                 let a: Vec<f64> = (0..n * n).map(|_| f64::from(draw.u32(..4)) - 1.0).collect();
                 let q: Vec<f64> = (0..n).map(|_| f64::from(draw.u32(..4)) - 2.0).collect();
-                let lcp = Lcp::new(n, a, q).expect("valid");
+                let lcp = Problem::new(&a, &q);
                 let alpha: Vec<usize> = (0..n).filter(|_| draw.bool()).collect();
-                match repair(&lcp, &alpha, &never) {
+                match repair(lcp, &alpha, &never) {
                     Repaired::Solved(s, pivots) => {
-                        assert!(check_solution(&lcp, &s.z) && pivots < 100);
+                        assert!(check_solution(lcp, &s.z) && pivots < 100);
                         solved += 1;
                     }
                     Repaired::Ray(ray) => {
-                        assert!(check_ray(&lcp, &vec![1.0; n], &ray));
+                        assert!(check_ray(lcp, &vec![1.0; n], &ray));
                         rays += 1;
                     }
                     Repaired::Interrupted => panic!("not asked to stop"),
@@ -365,11 +365,11 @@ mod tests {
                 })
                 .collect();
             let q: Vec<f64> = (0..n).map(|_| f64::from(draw.u32(..1000)) / 3.0 - 200.0).collect();
-            let lcp = Lcp::new(n, a, q).expect("valid");
+            let lcp = Problem::new(&a, &q);
             let alpha: Vec<usize> = (0..n).filter(|_| draw.bool()).collect();
-            let Repaired::Solved(s, _) = repair(&lcp, &alpha, &never) else { panic!("a ray on a P-matrix") };
-            assert!(check_solution(&lcp, &s.z));
-            let Repaired::Solved(again, pivots) = repair(&lcp, &s.alpha, &never) else { panic!("solved before") };
+            let Repaired::Solved(s, _) = repair(lcp, &alpha, &never) else { panic!("a ray on a P-matrix") };
+            assert!(check_solution(lcp, &s.z));
+            let Repaired::Solved(again, pivots) = repair(lcp, &s.alpha, &never) else { panic!("solved before") };
             assert_eq!((pivots, again.alpha), (0, s.alpha));
         }
     }
@@ -387,13 +387,14 @@ mod tests {
             m, 3.0, o, 3.0, m, 3.0,
             -3.0, -m, m, -m, o, m,
         ];
-        let lcp = Lcp::new(6, a.to_vec(), vec![-3.0, -3.0, -m, -m, -m, m]).expect("valid");
+        let q = [-3.0, -3.0, -m, -m, -m, m];
+        let lcp = Problem::new(&a, &q);
         for alpha in (0..64usize).step_by(7).map(|mask| (0..6).filter(|i| mask >> i & 1 == 1).collect::<Vec<_>>()) {
             let start: Vec<bool> = (0..6).map(|i| alpha.contains(&i)).collect();
-            assert!(covering_vector(&lcp, &alpha, &start).iter().flatten().all(|x| x.is_finite()));
+            assert!(covering_vector(lcp, &alpha, &start).iter().flatten().all(|x| x.is_finite()));
             let asked = std::cell::Cell::new(0);
             let impatient = || asked.replace(asked.get() + 1) > 20_000;
-            assert!(!matches!(repair(&lcp, &alpha, &impatient), Repaired::Interrupted), "{alpha:?}");
+            assert!(!matches!(repair(lcp, &alpha, &impatient), Repaired::Interrupted), "{alpha:?}");
         }
     }
 }

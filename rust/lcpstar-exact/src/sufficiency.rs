@@ -5,7 +5,7 @@
 
 use super::dyadic::{RationalVec, Scaled, linear_form};
 use super::padic::Block;
-use crate::problem::Lcp;
+use crate::problem::Problem;
 use num_bigint::{BigInt, Sign};
 use num_traits::{One, Zero};
 
@@ -38,7 +38,7 @@ pub enum Evidence {
 ///
 /// Cost: one or two p-adic solves of order `|alpha|` and n^2 products of long integers.
 #[must_use]
-pub fn prove(lcp: &Lcp, evidence: &Evidence, stop: &dyn Fn() -> bool) -> Option<NotSufficient> {
+pub fn prove(lcp: Problem<'_>, evidence: &Evidence, stop: &dyn Fn() -> bool) -> Option<NotSufficient> {
     let found = match evidence {
         Evidence::Points(first, second) => {
             let x = difference(&basic_point(lcp, first, stop)?, &basic_point(lcp, second, stop)?);
@@ -54,7 +54,7 @@ pub fn prove(lcp: &Lcp, evidence: &Evidence, stop: &dyn Fn() -> bool) -> Option<
 
 /// Whether `found` refutes sufficiency of A, exactly. O(n^2) operations on long integers.
 #[must_use]
-pub fn check(lcp: &Lcp, found: &NotSufficient) -> bool {
+pub fn check(lcp: Problem<'_>, found: &NotSufficient) -> bool {
     let (n, x) = (lcp.n(), &found.x.numerators);
     let mut strict = false;
     for i in (0..n).filter(|&i| !x[i].is_zero()) {
@@ -68,12 +68,12 @@ pub fn check(lcp: &Lcp, found: &NotSufficient) -> bool {
     strict
 }
 
-fn entry(lcp: &Lcp, transposed: bool, i: usize, j: usize) -> f64 {
+fn entry(lcp: Problem<'_>, transposed: bool, i: usize, j: usize) -> f64 {
     if transposed { lcp.row(j)[i] } else { lcp.row(i)[j] }
 }
 
 /// `z` with `A[alpha, alpha] z_alpha = -q_alpha`, zero elsewhere.
-fn basic_point(lcp: &Lcp, alpha: &[usize], stop: &dyn Fn() -> bool) -> Option<RationalVec> {
+fn basic_point(lcp: Problem<'_>, alpha: &[usize], stop: &dyn Fn() -> bool) -> Option<RationalVec> {
     let block = Block::new(alpha.len(), |i, j| lcp.row(alpha[i])[alpha[j]]).ok()?;
     let rhs: Vec<Scaled> = alpha.iter().map(|&i| Scaled::from_f64(-lcp.q()[i])).collect();
     let part = block.solve(&rhs, stop).ok()?;
@@ -128,33 +128,30 @@ fn difference(a: &RationalVec, b: &RationalVec) -> RationalVec {
 mod tests {
     use super::*;
 
-    fn lcp(a: &[f64], q: &[f64]) -> Lcp {
-        Lcp::new(q.len(), a.to_vec(), q.to_vec()).expect("valid")
-    }
-
     #[test]
     fn a_direction_refutes_and_a_sufficient_matrix_is_not_refuted() {
         let values = vec![(0, 1), (1, -1)];
         let evidence = Evidence::Direction { alpha: vec![], values, transposed: false };
-        let proof = prove(&lcp(&[1.0, 2.0, 2.0, 1.0], &[-1.0, -1.0]), &evidence, &|| false).expect("x = (1, -1)");
+        let proof =
+            prove(Problem::new(&[1.0, 2.0, 2.0, 1.0], &[-1.0, -1.0]), &evidence, &|| false).expect("x = (1, -1)");
         assert_eq!(proof.x.to_f64(), [1.0, -1.0]);
-        assert!(prove(&lcp(&[2.0, 1.0, 1.0, 2.0], &[-1.0, -1.0]), &evidence, &|| false).is_none());
+        assert!(prove(Problem::new(&[2.0, 1.0, 1.0, 2.0], &[-1.0, -1.0]), &evidence, &|| false).is_none());
     }
 
     #[test]
     fn the_transpose_is_another_question() {
         // x_2 (A'x)_2 = x_2 x_1, x_1 (A'x)_1 = 0: not row sufficient; column sufficient it is not, either, by x_1 x_2.
-        let problem = lcp(&[0.0, 1.0, 0.0, 0.0], &[-1.0, -1.0]);
+        let problem = Problem::new(&[0.0, 1.0, 0.0, 0.0], &[-1.0, -1.0]);
         for transposed in [false, true] {
             let evidence = Evidence::Direction { alpha: vec![], values: vec![(0, -1), (1, 1)], transposed };
-            assert!(prove(&problem, &evidence, &|| false).is_some_and(|proof| proof.transposed == transposed));
+            assert!(prove(problem, &evidence, &|| false).is_some_and(|proof| proof.transposed == transposed));
         }
     }
 
     #[test]
     fn directions_of_a_transformed_basis_solve_the_block() {
         // alpha = {0}: (A z)_0 = 2 and z_1 = 1 for A = [[2, 1], [1, 3]] give z_0 = 1/2.
-        let problem = lcp(&[2.0, 1.0, 1.0, 3.0], &[-1.0, -1.0]);
+        let problem = Problem::new(&[2.0, 1.0, 1.0, 3.0], &[-1.0, -1.0]);
         let entry = |i: usize, j: usize| problem.row(i)[j];
         let z = direction(&entry, 2, &[0], &[(0, 2), (1, 1)], &|| false).expect("nonsingular");
         assert_eq!(z.to_f64(), [0.5, 1.0]);

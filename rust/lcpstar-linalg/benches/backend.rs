@@ -1,10 +1,10 @@
-//! Where nalgebra and faer cross over for factor-and-solve, and the kernels of `linalg::blocked` beside them: `cargo bench -p lcpstar --bench backend`.
+//! Where nalgebra and faer cross over for factor-and-solve, and the kernels of `blocked` beside them: `cargo bench -p lcpstar-linalg --bench backend`.
 #![allow(missing_docs)]
 
 use divan::{Bencher, black_box};
-use lcpstar::Lcp;
-use lcpstar::linalg::backend::{DenseCholesky, DenseLu};
-use lcpstar::linalg::blocked::BlockFactor;
+use lcpstar_linalg::backend::{DenseCholesky, DenseLu};
+use lcpstar_linalg::blocked::BlockFactor;
+use lcpstar_linalg::square::Square;
 
 const ORDERS: [usize; 9] = [4, 8, 12, 16, 24, 32, 48, 64, 128];
 
@@ -32,33 +32,33 @@ fn faer(bencher: Bencher<'_, '_>, n: usize) {
 /// Orders of principal blocks.
 const BLOCKS: [usize; 9] = [32, 64, 128, 256, 512, 768, 1024, 1536, 2048];
 
-fn problem(n: usize) -> Lcp {
+fn problem(n: usize) -> Vec<f64> {
     let symmetric: Vec<f64> = matrix(n);
-    let a =
-        (0..n * n).map(|k| symmetric[k] + symmetric[k % n * n + k / n] + if k % (n + 1) == 0 { n as f64 } else { 0.0 });
-    Lcp::new(n, a.collect(), vec![1.0; n]).expect("valid")
+    (0..n * n)
+        .map(|k| symmetric[k] + symmetric[k % n * n + k / n] + if k % (n + 1) == 0 { n as f64 } else { 0.0 })
+        .collect()
 }
 
 #[divan::bench(args = BLOCKS)]
 fn block_lu(bencher: Bencher<'_, '_>, n: usize) {
-    let (lcp, alpha, mut factor) = (problem(n), (0..n).collect::<Vec<_>>(), BlockFactor::default());
-    bencher.bench_local(|| factor.lu(black_box(&lcp), &alpha));
+    let (entries, alpha, mut factor) = (problem(n), (0..n).collect::<Vec<_>>(), BlockFactor::default());
+    bencher.bench_local(|| factor.lu(black_box(Square { n, entries: &entries }), &alpha));
 }
 
 #[divan::bench(args = BLOCKS)]
 fn block_cholesky(bencher: Bencher<'_, '_>, n: usize) {
-    let (lcp, alpha, mut factor) = (problem(n), (0..n).collect::<Vec<_>>(), BlockFactor::default());
-    bencher.bench_local(|| factor.cholesky(black_box(&lcp), &alpha, 0.0, 1e-14));
+    let (entries, alpha, mut factor) = (problem(n), (0..n).collect::<Vec<_>>(), BlockFactor::default());
+    bencher.bench_local(|| factor.cholesky(black_box(Square { n, entries: &entries }), &alpha, 0.0, 1e-14));
 }
 
 #[divan::bench(args = BLOCKS)]
 fn library_lu(bencher: Bencher<'_, '_>, n: usize) {
-    let lcp = problem(n);
-    bencher.bench_local(|| DenseLu::new(n, black_box(lcp.a())));
+    let entries = problem(n);
+    bencher.bench_local(|| DenseLu::new(n, black_box(&entries)));
 }
 
 #[divan::bench(args = BLOCKS)]
 fn library_cholesky(bencher: Bencher<'_, '_>, n: usize) {
-    let lcp = problem(n);
-    bencher.bench_local(|| DenseCholesky::new(n, black_box(lcp.a())));
+    let entries = problem(n);
+    bencher.bench_local(|| DenseCholesky::new(n, black_box(&entries)));
 }

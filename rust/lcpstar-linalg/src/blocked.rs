@@ -6,7 +6,7 @@
 
 use super::kernels::{LANES, dot};
 use super::update::{Window, add_products};
-use crate::problem::Lcp;
+use crate::square::Square;
 use multiversion::multiversion;
 
 /// Rows of a panel.
@@ -74,8 +74,8 @@ pub struct BlockFactor {
 impl BlockFactor {
     /// `A[alpha, alpha] + shift I = R'R`, reading the upper triangle. O(|alpha|^3). `false` when a pivot is not above
     /// `floor` times its diagonal entry.
-    pub fn cholesky(&mut self, lcp: &Lcp, alpha: &[usize], shift: f64, floor: f64) -> bool {
-        self.load_upper(lcp, alpha, shift, floor);
+    pub fn cholesky(&mut self, a: Square<'_>, alpha: &[usize], shift: f64, floor: f64) -> bool {
+        self.load_upper(a, alpha, shift, floor);
         self.factor_upper()
     }
 
@@ -98,8 +98,14 @@ impl BlockFactor {
     /// largest `weights_i^2` times what is left of the diagonal; `alpha` is reordered so that the independent indices come
     /// first. What is left of a diagonal entry counts as zero up to `floor` times that entry. Their number, the rank, for which
     /// [`solve`](Self::solve) then solves; `None` when A is not semidefinite. O(|alpha|^2 rank).
-    pub fn cholesky_pivoted(&mut self, lcp: &Lcp, alpha: &mut [usize], weights: &[f64], floor: f64) -> Option<usize> {
-        self.load_upper(lcp, alpha, 0.0, floor);
+    pub fn cholesky_pivoted(
+        &mut self,
+        a: Square<'_>,
+        alpha: &mut [usize],
+        weights: &[f64],
+        floor: f64,
+    ) -> Option<usize> {
+        self.load_upper(a, alpha, 0.0, floor);
         let (m, stride) = (self.m, self.stride);
         let mut weights: Vec<f64> = alpha.iter().map(|&i| weights[i] * weights[i]).collect();
         let mut diagonal: Vec<f64> = (0..m).map(|i| self.rows[i * stride + i]).collect();
@@ -155,12 +161,12 @@ impl BlockFactor {
         self.floors.clear();
     }
 
-    fn load_upper(&mut self, lcp: &Lcp, alpha: &[usize], shift: f64, floor: f64) {
+    fn load_upper(&mut self, a: Square<'_>, alpha: &[usize], shift: f64, floor: f64) {
         self.start_upper(alpha.len());
-        self.floors.extend(alpha.iter().map(|&i| floor * lcp.row(i)[i]));
+        self.floors.extend(alpha.iter().map(|&i| floor * a.row(i)[i]));
         let stride = self.stride;
         for (r, &i) in alpha.iter().enumerate() {
-            let source = lcp.row(i);
+            let source = a.row(i);
             let row = &mut self.rows[r * stride..(r + 1) * stride];
             for (x, &j) in row[r..].iter_mut().zip(&alpha[r..]) {
                 *x = source[j];
@@ -211,11 +217,11 @@ impl BlockFactor {
     }
 
     /// `P A[alpha, alpha] = L U` by partial pivoting. O(|alpha|^3). `false` when a pivot is zero or not finite.
-    pub fn lu(&mut self, lcp: &Lcp, alpha: &[usize]) -> bool {
+    pub fn lu(&mut self, a: Square<'_>, alpha: &[usize]) -> bool {
         self.resize(alpha.len());
         let (m, stride) = (self.m, self.stride);
         for (r, &i) in alpha.iter().enumerate() {
-            let source = lcp.row(i);
+            let source = a.row(i);
             let row = &mut self.rows[r * stride..(r + 1) * stride];
             for (x, &j) in row.iter_mut().zip(alpha) {
                 *x = source[j];
@@ -419,11 +425,10 @@ mod tests {
     use super::*;
 
     /// Diagonally dominant; symmetric where asked.
-    fn problem(n: usize, symmetric: bool) -> Lcp {
+    fn problem(n: usize, symmetric: bool) -> Vec<f64> {
         let number = |i: usize, j: usize| (((i * 31 + j * 17) * 7919 % 101) as f64) / 50.0 - 1.0;
         let entry = |i: usize, j: usize| if symmetric { number(i.min(j), i.max(j)) } else { number(i, j) };
-        let a = (0..n * n).map(|k| entry(k / n, k % n) + if k % (n + 1) == 0 { n as f64 } else { 0.0 }).collect();
-        Lcp::new(n, a, (0..n).map(|i| i as f64 - 2.5).collect()).expect("valid")
+        (0..n * n).map(|k| entry(k / n, k % n) + if k % (n + 1) == 0 { n as f64 } else { 0.0 }).collect()
     }
 
     #[test]
@@ -431,16 +436,17 @@ mod tests {
         let mut factor = BlockFactor::default();
         for n in [70, 1, 2, 7, 8, 9, 16, 24, 33, 61, 0] {
             for symmetric in [true, false] {
-                let lcp = problem(n + 3, symmetric);
+                let entries = problem(n + 3, symmetric);
+                let a = Square { n: n + 3, entries: &entries };
                 let alpha: Vec<usize> = (0..n).map(|i| if i % 2 == 0 { i } else { i + 2 }).take(n).collect();
                 let x: Vec<f64> = (0..n).map(|i| 1.0 + i as f64 / 7.0).collect();
-                let image = |r: usize| alpha.iter().zip(&x).map(|(&j, x)| lcp.row(alpha[r])[j] * x).sum::<f64>();
+                let image = |r: usize| alpha.iter().zip(&x).map(|(&j, x)| a.row(alpha[r])[j] * x).sum::<f64>();
                 for cholesky in [true, false] {
                     let mut b: Vec<f64> = (0..n).map(image).collect();
                     if cholesky && !symmetric {
                         continue;
                     }
-                    assert!(if cholesky { factor.cholesky(&lcp, &alpha, 0.0, 1e-13) } else { factor.lu(&lcp, &alpha) });
+                    assert!(if cholesky { factor.cholesky(a, &alpha, 0.0, 1e-13) } else { factor.lu(a, &alpha) });
                     factor.solve(&mut b);
                     let error = b.iter().zip(&x).map(|(b, x)| (b - x).abs()).fold(0.0, f64::max);
                     assert!(error < 1e-12, "{n} {symmetric} {cholesky}: {error}");
@@ -450,32 +456,33 @@ mod tests {
     }
 
     /// `B B'` of the given rank, by small integers; column 3 k + 2 is the sum of the two before it.
-    fn semidefinite(n: usize, rank: usize) -> Lcp {
+    fn semidefinite(n: usize, rank: usize) -> Vec<f64> {
         let number = |i: usize, k: usize| ((i * 31 + k * 17) * 7919 % 11) as f64 - 5.0;
         let b = |i: usize, k: usize| if i % 3 == 2 { number(i - 1, k) + number(i - 2, k) } else { number(i, k) };
         let entry = |i: usize, j: usize| (0..rank).map(|k| b(i, k) * b(j, k)).sum::<f64>();
-        Lcp::new(n, (0..n * n).map(|ij| entry(ij / n, ij % n)).collect(), vec![-1.0; n]).expect("valid")
+        (0..n * n).map(|ij| entry(ij / n, ij % n)).collect()
     }
 
     #[test]
     fn pivoting_puts_independent_columns_first() {
         let mut factor = BlockFactor::default();
         for (n, rank) in [(6, 6), (30, 30), (60, 7), (61, 33), (5, 0)] {
-            let lcp = semidefinite(n, rank);
+            let entries = semidefinite(n, rank);
+            let a = Square { n, entries: &entries };
             let mut alpha: Vec<usize> = (0..n).collect();
             let weights: Vec<f64> = (0..n).map(|i| 1.0 + (i % 5) as f64).collect();
-            let found = factor.cholesky_pivoted(&lcp, &mut alpha, &weights, 1e-10).expect("semidefinite");
+            let found = factor.cholesky_pivoted(a, &mut alpha, &weights, 1e-10).expect("semidefinite");
             assert!(found <= rank.min(n - n / 3), "{n} {rank}: {found}");
             // R'R in the new order, whatever was left out.
-            let size = (0..n).fold(1.0_f64, |m, i| m.max(lcp.row(i)[i]));
+            let size = (0..n).fold(1.0_f64, |m, i| m.max(a.row(i)[i]));
             for i in 0..n {
                 for j in i..n {
                     let product: f64 = (0..found.min(i + 1)).map(|k| factor.row(k)[i] * factor.row(k)[j]).sum();
-                    assert!((product - lcp.row(alpha[i])[alpha[j]]).abs() < 1e-10 * size, "{n} {rank}: {i} {j}");
+                    assert!((product - a.row(alpha[i])[alpha[j]]).abs() < 1e-10 * size, "{n} {rank}: {i} {j}");
                 }
             }
             // A consistent right-hand side is met in every row.
-            let image = |x: &[f64], i: usize| alpha.iter().zip(x).map(|(&j, x)| lcp.row(alpha[i])[j] * x).sum::<f64>();
+            let image = |x: &[f64], i: usize| alpha.iter().zip(x).map(|(&j, x)| a.row(alpha[i])[j] * x).sum::<f64>();
             let x: Vec<f64> = (0..n).map(|i| 1.0 + i as f64 / 7.0).collect();
             let b: Vec<f64> = (0..n).map(|i| image(&x, i)).collect();
             let mut solution = b[..found].to_vec();
@@ -488,16 +495,16 @@ mod tests {
     #[test]
     fn singular_and_indefinite_are_refused() {
         let mut factor = BlockFactor::default();
-        let lcp = Lcp::new(3, vec![1.0; 9], vec![0.0; 3]).expect("valid");
-        assert!(!factor.cholesky(&lcp, &[0, 2], 0.0, 1e-12));
-        assert!(factor.cholesky(&lcp, &[0, 2], 1e-6, 1e-12));
-        assert!(!factor.lu(&lcp, &[0, 2]));
-        let lcp = Lcp::new(2, vec![1.0, 2.0, 2.0, 1.0], vec![0.0; 2]).expect("valid");
-        assert!(!factor.cholesky(&lcp, &[0, 1], 0.0, 1e-12));
-        assert!(factor.cholesky_pivoted(&lcp, &mut [0, 1], &[1.0; 2], 1e-12).is_none());
-        assert!(factor.lu(&lcp, &[0, 1]));
+        let a = Square { n: 3, entries: &[1.0; 9] };
+        assert!(!factor.cholesky(a, &[0, 2], 0.0, 1e-12));
+        assert!(factor.cholesky(a, &[0, 2], 1e-6, 1e-12));
+        assert!(!factor.lu(a, &[0, 2]));
+        let a = Square { n: 2, entries: &[1.0, 2.0, 2.0, 1.0] };
+        assert!(!factor.cholesky(a, &[0, 1], 0.0, 1e-12));
+        assert!(factor.cholesky_pivoted(a, &mut [0, 1], &[1.0; 2], 1e-12).is_none());
+        assert!(factor.lu(a, &[0, 1]));
         let d = [3.0, 1.0];
-        assert!(factor.cholesky_shifted(lcp.a(), &d));
+        assert!(factor.cholesky_shifted(a.entries, &d));
         let mut b = [4.0 * 1.0 + 2.0 * 5.0, 2.0 * 1.0 + 2.0 * 5.0];
         factor.solve(&mut b);
         assert!((b[0] - 1.0).abs() < 1e-14 && (b[1] - 5.0).abs() < 1e-14);

@@ -35,7 +35,7 @@ pub fn prove_solution(
     let lcp = to_lcp(py, &a, &q)?;
     let alpha = index_set(py, "alpha", &alpha, lcp.n())?;
     let signals = Signals::new();
-    let outcome = enter_core(py, || Ok(repair::prove(&lcp, &alpha, &|| signals.interrupted())))?;
+    let outcome = enter_core(py, || Ok(repair::prove(lcp.view(), &alpha, &|| signals.interrupted())))?;
     signals.raise()?;
     Ok(match outcome {
         Repaired::Solved(solution, pivots) => ("proved", solution.alpha, Some(split(solution.z)), pivots),

@@ -237,7 +237,7 @@ fn against<P: Rows>(problem: &Equilibrated<'_, P>, candidate: &mut Candidate) ->
 fn insufficiency<P: Rows>(problem: &Equilibrated<'_, P>, found: &NotSufficient) -> Option<NotSufficient> {
     let exponents = if found.transposed { &problem.scaling.rows } else { &problem.scaling.columns };
     let found = NotSufficient { x: found.x.times_powers_of_two(exponents), transposed: found.transposed };
-    sufficiency::check(problem.original.dense()?.as_ref(), &found).then_some(found)
+    sufficiency::check(problem.original.dense()?.as_ref().view(), &found).then_some(found)
 }
 
 fn ray_to_caller<P: Rows>(problem: &Equilibrated<'_, P>, ray: &Ray) -> Ray {

@@ -8,16 +8,12 @@
 
 pub mod accuracy;
 pub mod batch;
-pub mod classes;
 pub mod control;
 pub mod driver;
 pub mod equilibrate;
 pub mod error;
-pub mod exact;
 pub mod iterative;
 pub mod judge;
-pub mod linalg;
-pub mod member;
 pub mod methods;
 pub mod pivoting;
 pub mod presolve;
@@ -25,7 +21,6 @@ pub mod problem;
 pub mod refute;
 pub mod residual;
 pub mod scaling;
-pub mod small;
 pub mod solution;
 pub mod solutions;
 pub mod sparse;
@@ -35,7 +30,11 @@ pub mod verdict;
 
 pub use control::Control;
 pub use error::{LcpError, Result};
-pub use member::Member;
+pub use lcpstar_exact as exact;
+pub use lcpstar_exact::classes;
+pub use lcpstar_kernels::member::{self, Member};
+pub use lcpstar_kernels::small;
+pub use lcpstar_linalg as linalg;
 pub use problem::Lcp;
 pub use solution::{Candidate, Piece, Ray, Solution};
 pub use sparse::SparseLcp;

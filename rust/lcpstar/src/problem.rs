@@ -1,6 +1,8 @@
 //! The problem LCP(q, A), validated once; below it sizes and finiteness are trusted.
 
 use crate::error::{LcpError, Result};
+use lcpstar_exact::problem::Problem;
+use lcpstar_linalg::square::Square;
 use std::sync::{Arc, OnceLock};
 
 /// LCP(q, A): find `z` with `w = A z + q >= 0`, `z >= 0`, `z'w = 0`.
@@ -65,6 +67,18 @@ impl Lcp {
     #[must_use]
     pub fn is_symmetric(&self) -> bool {
         *self.a.symmetric.get_or_init(|| crate::linalg::kernels::is_symmetric(self.n, self.a()))
+    }
+
+    /// The numbers, as exact arithmetic reads them.
+    #[must_use]
+    pub fn view(&self) -> Problem<'_> {
+        Problem::new(self.a(), &self.q)
+    }
+
+    /// A, as linear algebra reads it.
+    #[must_use]
+    pub fn square(&self) -> Square<'_> {
+        Square { n: self.n, entries: self.a() }
     }
 
     /// Row `i` of `A`.

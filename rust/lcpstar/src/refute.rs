@@ -28,7 +28,7 @@ pub struct Farkas(RationalVec);
 impl Farkas {
     /// `y` if it is one, checked in rational numbers. O(n^2) operations on long integers.
     pub fn new(lcp: &Lcp, y: RationalVec) -> Option<Self> {
-        check_farkas(lcp, &y).then_some(Self(y))
+        check_farkas(lcp.view(), &y).then_some(Self(y))
     }
 
     /// The vector.
@@ -76,7 +76,7 @@ pub fn refute<P: Rows>(problem: &Equilibrated<'_, P>, y: &[f64], stop: &dyn Fn()
         }
     }
     let repaired = (y.len() <= REPAIR_UP_TO).then(|| problem.original.dense()).flatten();
-    let repaired = repaired.and_then(|lcp| Farkas::new(&lcp, repair_farkas(&lcp, &y, stop)?));
+    let repaired = repaired.and_then(|lcp| Farkas::new(&lcp, repair_farkas(lcp.view(), &y, stop)?));
     Some(repaired.map_or(Refutation::Nearly(near), Refutation::Exact))
 }
 

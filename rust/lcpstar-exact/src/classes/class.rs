@@ -5,8 +5,8 @@ use super::minors::{Rule, first_violation};
 use super::solvable::{PlusPlus, Solvable, infeasibility_rays, plus_plus, solvable_when_feasible};
 use super::zero_solutions::{Star, garcia_violation, nonzero_solution, regularity_violation, star_violation};
 use super::{connected, definite, semimonotone, subdefinite, sufficient, transforms};
-use crate::exact::elimination::determinant;
-use crate::exact::imatrix::{IMatrix, by_size, indices, of_size};
+use crate::elimination::determinant;
+use crate::imatrix::{IMatrix, by_size, indices, of_size};
 use std::cell::RefCell;
 
 /// The classes, named by their symbols.
@@ -174,7 +174,7 @@ impl Facts {
             Class::C => Ok(semimonotone::copositive_violation(a, true, b)?.is_none()),
             Class::C0Plus => {
                 let s = a.symmetric_part();
-                let flat = |x: &Vec<_>| s.times(x).iter().all(crate::exact::int::Int::is_zero);
+                let flat = |x: &Vec<_>| s.times(x).iter().all(crate::int::Int::is_zero);
                 Ok(self.holds(Class::C0, b)? && semimonotone::zeros_of_copositive_form(a, b)?.iter().all(flat))
             }
             Class::C0Star => Ok(self.holds(Class::C0, b)? && star_violation(a, Star::Plain, b)?.is_none()),
@@ -332,8 +332,7 @@ mod tests {
     #[test]
     fn cancelled_search_says_so() {
         let n = 26;
-        let a =
-            IMatrix::from_fn(n, n, |i, j| crate::exact::int::Int::from(if i == j { 1 } else { 7 * i64::from(j > i) }));
+        let a = IMatrix::from_fn(n, n, |i, j| crate::int::Int::from(if i == j { 1 } else { 7 * i64::from(j > i) }));
         let stop = || true;
         let budget = Budget::new(None, Some(&stop));
         let answer = Facts::new(a).holds(Class::E0, &budget);

@@ -7,11 +7,11 @@
 
 use super::budget::{Budget, Search};
 use super::solvable::{column, complementary_columns, complementary_facets};
-use crate::exact::cone::Cone;
-use crate::exact::elimination::reduce;
-use crate::exact::imatrix::IMatrix;
-use crate::exact::int::{Int, dot, make_primitive};
-use crate::exact::lp::{Feasibility, feasible};
+use crate::cone::Cone;
+use crate::elimination::reduce;
+use crate::imatrix::IMatrix;
+use crate::int::{Int, dot, make_primitive};
+use crate::lp::{Feasibility, feasible};
 use std::collections::HashMap;
 
 /// The columns of the cone of q for which `P_alpha` and `P_beta` meet.

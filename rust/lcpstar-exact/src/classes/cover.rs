@@ -4,7 +4,7 @@
 //! member of the family or its centre lies in none. The tree of splits is a proof that can be checked by hand.
 
 use super::budget::{Budget, Search};
-use crate::exact::int::{Int, dot, make_primitive};
+use crate::int::{Int, dot, make_primitive};
 
 /// A closed cone `{x : f x >= 0 for all facets f}` and the name it has in the proof.
 #[derive(Clone, Debug)]

@@ -1,8 +1,8 @@
 //! Definiteness of the quadratic form `x'Sx`, S symmetric, by symmetric fraction-free elimination.
 
-use crate::exact::elimination::reduce;
-use crate::exact::imatrix::IMatrix;
-use crate::exact::int::{Int, make_primitive};
+use crate::elimination::reduce;
+use crate::imatrix::IMatrix;
+use crate::int::{Int, make_primitive};
 
 /// `x` with `x'Sx < 0`, or with `x != 0` and `x'Sx <= 0` when `strict`; `None` if S is PSD (PD). O(n^3).
 #[must_use]

@@ -4,8 +4,8 @@
 //! positive (semi)definite, or diagonally dominant with a positive diagonal [CPS92, sec. 3.3].
 
 use super::definite::negative_direction;
-use crate::exact::imatrix::IMatrix;
-use crate::exact::int::Int;
+use crate::imatrix::IMatrix;
+use crate::int::Int;
 
 /// Whether a test shows that A is P (`strict`) or P0.
 #[must_use]

@@ -4,9 +4,9 @@ use super::budget::{Budget, Search};
 use super::class::{Class, Facts};
 use super::game;
 use super::transforms::legitimate;
-use crate::exact::elimination::{determinant, principal_pivot_transform, rank};
-use crate::exact::imatrix::{IMatrix, indices, of_size};
-use crate::exact::int::Int;
+use crate::elimination::{determinant, principal_pivot_transform, rank};
+use crate::imatrix::{IMatrix, indices, of_size};
+use crate::int::Int;
 use std::cmp::Ordering;
 
 /// A number that belongs to a matrix.

@@ -1,8 +1,8 @@
 //! The von Neumann value `v(A) = max over the simplex of min_i (Ax)_i`.
 
-use crate::exact::imatrix::IMatrix;
-use crate::exact::int::Int;
-use crate::exact::lp::packing;
+use crate::imatrix::IMatrix;
+use crate::int::Int;
+use crate::lp::packing;
 
 /// The value and optimal strategies, exact.
 #[derive(Clone, Debug)]

@@ -6,9 +6,9 @@
 
 use super::budget::{Budget, Search};
 use super::dominance::is_known;
-use crate::exact::elimination::determinant;
-use crate::exact::imatrix::{IMatrix, by_size, full, indices, of_size};
-use crate::exact::int::Int;
+use crate::elimination::determinant;
+use crate::imatrix::{IMatrix, by_size, full, indices, of_size};
+use crate::int::Int;
 
 /// What the sign of each principal minor must be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,10 +1,10 @@
 //! SOL(q, A) as a union of polyhedra, and what a single solution looks like from nearby.
 
 use super::budget::{Budget, Search};
-use crate::exact::cone::Cone;
-use crate::exact::imatrix::{IMatrix, complement, indices};
-use crate::exact::int::Int;
-use crate::exact::lp::{Feasibility, feasible};
+use crate::cone::Cone;
+use crate::imatrix::{IMatrix, complement, indices};
+use crate::int::Int;
+use crate::lp::{Feasibility, feasible};
 
 /// The nonempty polyhedron `{z >= 0 : z = 0 off alpha, w = Az + q >= 0, w = 0 on alpha}`.
 #[derive(Clone, Debug)]
@@ -40,7 +40,7 @@ pub fn pieces(a: &IMatrix, q: &[Int], budget: &Budget<'_>) -> Search<Vec<Polyhed
         let mut piece = Polyhedron { alpha: mask, vertices: Vec::new(), rays: Vec::new() };
         for mut ray in cone.rays() {
             let t = ray.pop().unwrap_or_default();
-            let z = crate::exact::imatrix::embed(&ray, &alpha, n);
+            let z = crate::imatrix::embed(&ray, &alpha, n);
             if t.is_zero() {
                 piece.rays.push(z);
             } else {

@@ -3,8 +3,8 @@
 use super::budget::{Budget, Search};
 use super::class::Facts;
 use super::formula::Formula;
-use crate::exact::imatrix::IMatrix;
-use crate::exact::int::Int;
+use crate::imatrix::IMatrix;
+use crate::int::Int;
 
 /// Which matrices are scanned.
 #[derive(Clone, Debug)]

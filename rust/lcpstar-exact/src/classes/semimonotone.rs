@@ -7,9 +7,9 @@
 //! For symmetric S = A + A' semimonotone and copositive are the same [CPS92, sec. 3.8, 3.9].
 
 use super::budget::{Budget, Search};
-use crate::exact::elimination::reduce;
-use crate::exact::imatrix::{IMatrix, by_size, embed, indices};
-use crate::exact::int::{Int, make_primitive};
+use crate::elimination::reduce;
+use crate::imatrix::{IMatrix, by_size, embed, indices};
+use crate::int::{Int, make_primitive};
 
 /// Support-minimal `x >= 0` with `(Ax)_i < 0` (`<= 0` when `strict`) wherever `x_i > 0`; `None` if A is in E0 (in E).
 ///

@@ -2,11 +2,11 @@
 
 use super::budget::{Budget, Search};
 use super::cover::{Covering, Family, Member, Step};
-use crate::exact::cone::Cone;
-use crate::exact::elimination::principal_pivot_transform;
-use crate::exact::imatrix::{IMatrix, indices};
-use crate::exact::int::Int;
-use crate::exact::lp::{Feasibility, feasible};
+use crate::cone::Cone;
+use crate::elimination::principal_pivot_transform;
+use crate::imatrix::{IMatrix, indices};
+use crate::int::Int;
+use crate::lp::{Feasibility, feasible};
 
 /// Whether LCP(q, A) is solvable for every q with a feasible point.
 #[derive(Clone, Debug)]

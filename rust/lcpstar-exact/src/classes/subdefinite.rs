@@ -2,10 +2,10 @@
 
 use super::budget::{Budget, Search};
 use super::definite::negative_direction;
-use crate::exact::cone::Cone;
-use crate::exact::elimination::reduce;
-use crate::exact::imatrix::{IMatrix, complement, indices};
-use crate::exact::int::{Int, dot, make_primitive};
+use crate::cone::Cone;
+use crate::elimination::reduce;
+use crate::imatrix::{IMatrix, complement, indices};
+use crate::int::{Int, dot, make_primitive};
 
 /// `x` with `x'Ax < 0` where `A'x` has a positive and a negative entry; `None` if A is PSBD. Polynomial: O(n^5).
 ///

@@ -5,10 +5,10 @@
 //! cannot have such a y (its inverse is P0, hence semimonotone): only blocks with `det <= 0` need a look.
 
 use super::budget::{Budget, Search};
-use crate::exact::cone::Cone;
-use crate::exact::elimination::determinant;
-use crate::exact::imatrix::{IMatrix, by_size, embed, indices};
-use crate::exact::int::{Int, make_primitive};
+use crate::cone::Cone;
+use crate::elimination::determinant;
+use crate::imatrix::{IMatrix, by_size, embed, indices};
+use crate::int::{Int, make_primitive};
 
 /// `x` with `x_i (Ax)_i <= 0` for all i, `< 0` for one; `None` if A is column sufficient.
 ///

@@ -1,8 +1,8 @@
 //! All legitimate principal pivot transforms of a matrix: C0f, E0f, almost C0f, exact order k.
 
 use super::budget::{Budget, Search};
-use crate::exact::elimination::principal_pivot_transform;
-use crate::exact::imatrix::{IMatrix, by_size, indices};
+use crate::elimination::principal_pivot_transform;
+use crate::imatrix::{IMatrix, by_size, indices};
 
 /// A positive multiple of every legitimate transform with its index set; A itself, on the empty set, comes first.
 ///

@@ -1,11 +1,11 @@
 //! SOL(0, A), the cone-like set `x >= 0, Ax >= 0, x'Ax = 0`: R0, R, the star conditions and Garcia's L2.
 
 use super::budget::{Budget, Search};
-use crate::exact::cone::Cone;
-use crate::exact::elimination::reduce;
-use crate::exact::imatrix::{IMatrix, by_size, complement, embed, indices};
-use crate::exact::int::Int;
-use crate::exact::lp::{Feasibility, feasible};
+use crate::cone::Cone;
+use crate::elimination::reduce;
+use crate::imatrix::{IMatrix, by_size, complement, embed, indices};
+use crate::int::Int;
+use crate::lp::{Feasibility, feasible};
 use std::ops::ControlFlow;
 
 /// Visits rays of SOL(0, A), smaller supports first. On the piece of support `alpha` the set is the cone

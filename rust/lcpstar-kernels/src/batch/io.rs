@@ -1,6 +1,5 @@
 //! What goes into a batch and what comes out: borrowed arrays, never copied whole.
 
-use crate::driver::Method;
 use crate::small::Accepted;
 use crate::small::ahead::Ahead;
 use crate::small::verify::SOLVED;
@@ -49,19 +48,12 @@ impl<'a> Numbers<'a> {
         }
     }
 
-    /// The numbers; in `copy` if they are not in double precision.
-    #[inline(always)]
-    fn doubles<'b>(self, copy: &'b mut Vec<f64>) -> &'b [f64]
-    where
-        'a: 'b,
-    {
+    /// Writes the numbers in double precision to `copy`.
+    fn copy(self, copy: &mut Vec<f64>) {
+        copy.clear();
         match self {
-            Self::Double(x) => x,
-            Self::Single(x) => {
-                copy.clear();
-                copy.extend(x.iter().map(|x| f64::from(*x)));
-                copy
-            }
+            Self::Double(x) => copy.extend_from_slice(x),
+            Self::Single(x) => copy.extend(x.iter().map(|x| f64::from(*x))),
         }
     }
 }
@@ -90,18 +82,15 @@ impl<'a> Problems<'a> {
         self.a.block(self.a_source.block(k), self.n * self.n)
     }
 
-    /// A and q of problem `k`; in the copies what is not in double precision.
-    #[inline(always)]
-    pub(super) fn doubles<'b>(&self, k: usize, a: &'b mut Vec<f64>, q: &'b mut Vec<f64>) -> (&'b [f64], &'b [f64])
-    where
-        'a: 'b,
-    {
-        (self.matrix(k).doubles(a), self.q.block(self.q_source.block(k), self.n).doubles(q))
+    /// Copies A and q of problem `k`.
+    pub fn copy(&self, k: usize, a: &mut Vec<f64>, q: &mut Vec<f64>) {
+        self.matrix(k).copy(a);
+        self.q.block(self.q_source.block(k), self.n).copy(q);
     }
 
     /// Whether all `a_ii > 0` in problem `k`.
     #[inline(always)]
-    pub(super) fn has_positive_diagonal(&self, k: usize) -> bool {
+    pub fn has_positive_diagonal(&self, k: usize) -> bool {
         // Backwards: contact problems have their zeros at the end.
         match self.matrix(k) {
             Numbers::Double(a) => a.iter().step_by(self.n + 1).rev().all(|&x| x > 0.0),
@@ -111,7 +100,7 @@ impl<'a> Problems<'a> {
 
     /// Plans to ask for the matrix of problem `k`, all of it within `steps` steps.
     #[inline(always)]
-    pub(super) fn plan(&self, ahead: &mut Ahead, k: usize, steps: usize) {
+    pub fn plan(&self, ahead: &mut Ahead, k: usize, steps: usize) {
         match self.matrix(k) {
             Numbers::Double(a) => ahead.plan(a, steps),
             Numbers::Single(a) => ahead.plan(a, steps),
@@ -172,7 +161,7 @@ impl<'a> Alpha<'a> {
 
     /// Writes the supports of the problems from `k` on, given as masks (n <= 64).
     #[inline(always)]
-    pub(super) fn write_masks(&mut self, n: usize, k: usize, masks: &[u64]) {
+    pub fn write_masks(&mut self, n: usize, k: usize, masks: &[u64]) {
         match self {
             Self::Masks(v) => v[k..k + masks.len()].copy_from_slice(masks),
             Self::Flags(v) => {
@@ -187,7 +176,7 @@ impl<'a> Alpha<'a> {
 
     /// Writes the support of problem `k`.
     #[inline(always)]
-    pub(super) fn write(&mut self, n: usize, k: usize, is_in: impl Fn(usize) -> bool) {
+    pub fn write(&mut self, n: usize, k: usize, is_in: impl Fn(usize) -> bool) {
         match self {
             Self::Masks(v) => v[k] = (0..n).fold(0, |mask, i| mask | u64::from(is_in(i)) << i),
             Self::Flags(v) => {
@@ -206,9 +195,9 @@ pub struct Output<'a> {
     pub z: &'a mut [f64],
     /// Slacks.
     pub w: &'a mut [f64],
-    /// [`Status`](crate::Status) as a number, in the order of its variants.
+    /// The status as a number, in the order of its variants.
     pub status: &'a mut [u8],
-    /// [`Member`](crate::Member) as its code.
+    /// [`Member`](crate::member::Member) as its code.
     pub method: &'a mut [u8],
     /// Factorisations, pivots or iterations.
     pub iterations: &'a mut [u32],
@@ -223,7 +212,7 @@ pub struct Output<'a> {
 impl Output<'_> {
     /// What a kernel accepted, for problem k; the point and its support are written already.
     #[inline(always)]
-    pub(super) fn accept(&mut self, k: usize, method: u8, iterations: u32, accepted: &Accepted) {
+    pub fn accept(&mut self, k: usize, method: u8, iterations: u32, accepted: &Accepted) {
         self.status[k] = SOLVED;
         self.method[k] = method;
         self.iterations[k] = iterations;
@@ -232,7 +221,7 @@ impl Output<'_> {
     }
 
     /// The results of the first `problems` problems of order `n`, and the rest.
-    pub(super) fn split(self, problems: usize, n: usize) -> (Self, Self) {
+    pub fn split(self, problems: usize, n: usize) -> (Self, Self) {
         let (z, z_rest) = self.z.split_at_mut(problems * n);
         let (w, w_rest) = self.w.split_at_mut(problems * n);
         let (status, status_rest) = self.status.split_at_mut(problems);
@@ -254,27 +243,5 @@ impl Output<'_> {
                 alpha: alpha_rest,
             },
         )
-    }
-}
-
-/// What the caller may choose.
-#[derive(Clone, Copy)]
-pub struct Settings<'a> {
-    /// `Auto` for the kernels with the portfolio behind them; any other method solves every problem alone.
-    pub method: &'a Method,
-    /// Bounds `residual` of a solved problem.
-    pub tol: f64,
-    /// Threads at most; 0: one per core.
-    pub threads: usize,
-    /// Guessed supports.
-    pub guess: Guess<'a>,
-    /// Says whether the caller wants to stop; asked between chunks.
-    pub interrupted: Option<&'a (dyn Fn() -> bool + Sync)>,
-}
-
-impl Settings<'_> {
-    /// Whether the kernels for small problems are asked before the general solver.
-    pub(super) fn by_kernels(&self) -> bool {
-        matches!(self.method, Method::Auto)
     }
 }

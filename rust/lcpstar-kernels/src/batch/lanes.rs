@@ -104,10 +104,10 @@ impl<X: Lane> Lanes<X> {
     }
 
     fn wants(&self, phase: Phase, task: &Task<'_>) -> bool {
-        let (n, settings) = (self.n, task.settings);
+        let (n, asked) = (self.n, task.asked);
         match phase {
-            Phase::Guess => !matches!(settings.guess, Guess::None),
-            Phase::Point => matches!(settings.guess, Guess::Points(_)),
+            Phase::Guess => !matches!(asked.guess, Guess::None),
+            Phase::Point => matches!(asked.guess, Guess::Points(_)),
             Phase::Enumerate => n <= MINORS_ORDER,
             Phase::Newton => n > MINORS_ORDER && n <= NEWTON_ORDER,
             Phase::Lemke => n <= LEMKE_ORDER,
@@ -208,7 +208,7 @@ impl<X: Lane> Lanes<X> {
                     *mask = self.guesses[k];
                 }
                 // Sweeps, unless an iteration or the caller's guess has led further.
-                let is_first = group.iteration == 1 && matches!(group.task.settings.guess, Guess::None);
+                let is_first = group.iteration == 1 && matches!(group.task.asked.guess, Guess::None);
                 let masks = if is_first { None } else { Some(&masks[..]) };
                 let step = newton::<X, N>(n, &mut self.tile, masks, symmetric);
                 let unsettled = step.unsettled.and(lanes);
@@ -249,7 +249,7 @@ impl<X: Lane> Lanes<X> {
         for l in 0..X::LANES {
             places[l] = task.first + group.members[l.min(group.members.len() - 1)];
         }
-        match task.settings.guess {
+        match task.asked.guess {
             Guess::None => {}
             Guess::Masks(masks) => {
                 self.tile.guess(n, &places.map(|k| masks[k]));
@@ -289,7 +289,7 @@ impl<X: Lane> Lanes<X> {
         };
         let mut refined = 0;
         let verdict = loop {
-            let verdict = self.verdict::<N>(group.task.settings.tol);
+            let verdict = self.verdict::<N>(group.task.asked.tol);
             let wanting = lanes.and(verdict.solved().not());
             if refined == refinements || !wanting.any() {
                 break verdict;

@@ -1,9 +1,7 @@
-//! One worker: takes chunks of problems until none is left.
+//! One worker: takes chunks of problems until none is left. What the lanes leave goes to the caller.
 
-use super::alone::Alone;
-use super::io::{Output, Problems, Settings};
+use super::io::{Guess, Output, Problems};
 use super::lanes::Lanes;
-use crate::error::Result;
 use crate::member::Member;
 #[cfg(target_arch = "x86_64")]
 use crate::small::avx::{Ymm2, Zmm};
@@ -17,89 +15,112 @@ use multiversion::target::target_cfg_f;
 const PAIR_ORDER: usize = 16;
 
 /// Largest order for which a guessed support is tried in lanes.
-pub(super) const GUESS_ORDER: usize = 32;
+pub const GUESS_ORDER: usize = 32;
 
-pub(super) const NEWTON: u8 = Member::Newton.code();
-pub(super) const LEMKE: u8 = Member::Lemke.code();
-pub(super) const ENUMERATE: u8 = Member::Enumerate.code();
+/// Newton's method in lanes.
+pub const NEWTON: u8 = Member::Newton.code();
+/// Lemke's method, in lanes or for one problem.
+pub const LEMKE: u8 = Member::Lemke.code();
+/// Every support, in lanes.
+pub const ENUMERATE: u8 = Member::Enumerate.code();
 
 /// Problems `first..first + output.status.len()` of a batch.
+#[derive(Debug)]
 pub struct Chunk<'a> {
+    /// Place of its first problem.
     pub first: usize,
+    /// Where their results are written.
     pub output: Output<'a>,
 }
 
-/// Takes chunks from `next` until there is none. The error, if any, is that of the first bad problem of a chunk.
+/// What is asked of every problem.
+#[derive(Clone, Copy, Debug)]
+pub struct Asked<'a> {
+    /// Bounds the residual of a solved problem.
+    pub tol: f64,
+    /// Guessed supports.
+    pub guess: Guess<'a>,
+    /// Whether the lanes are to try.
+    pub in_lanes: bool,
+}
+
+/// Solves what the lanes leave, the problems of a chunk in the list, and empties it; `false` ends the work.
+pub type Rest<'r> = dyn FnMut(&mut Chunk<'_>, &mut Vec<usize>) -> bool + 'r;
+
+/// Takes chunks from `next` until there is none.
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw+avx2+fma", "x86_64+avx2+fma", "aarch64+neon"))]
 pub fn work<'a>(
     problems: &Problems<'_>,
-    settings: &Settings<'_>,
+    asked: &Asked<'_>,
     next: &(dyn Fn() -> Option<Chunk<'a>> + Sync),
-) -> Result<()> {
+    rest: &mut Rest<'_>,
+) {
     #[cfg(target_arch = "x86_64")]
     {
         if target_cfg_f!(target_feature = "avx512f") {
             if problems.n > PAIR_ORDER {
-                return run::<Zmm, 0>(problems, settings, next);
+                return run::<Zmm, 0>(problems, asked, next, rest);
             }
             return match problems.n {
-                4 => run::<Pair<Zmm>, 4>(problems, settings, next),
-                8 => run::<Pair<Zmm>, 8>(problems, settings, next),
-                12 => run::<Pair<Zmm>, 12>(problems, settings, next),
-                16 => run::<Pair<Zmm>, 16>(problems, settings, next),
-                _ => run::<Pair<Zmm>, 0>(problems, settings, next),
+                4 => run::<Pair<Zmm>, 4>(problems, asked, next, rest),
+                8 => run::<Pair<Zmm>, 8>(problems, asked, next, rest),
+                12 => run::<Pair<Zmm>, 12>(problems, asked, next, rest),
+                16 => run::<Pair<Zmm>, 16>(problems, asked, next, rest),
+                _ => run::<Pair<Zmm>, 0>(problems, asked, next, rest),
             };
         }
         if target_cfg_f!(target_feature = "avx2") {
             return match problems.n {
-                4 => run::<Ymm2, 4>(problems, settings, next),
-                8 => run::<Ymm2, 8>(problems, settings, next),
-                _ => run::<Ymm2, 0>(problems, settings, next),
+                4 => run::<Ymm2, 4>(problems, asked, next, rest),
+                8 => run::<Ymm2, 8>(problems, asked, next, rest),
+                _ => run::<Ymm2, 0>(problems, asked, next, rest),
             };
         }
     }
-    portable(problems, settings, next)
+    portable(problems, asked, next, rest)
 }
 
 /// Fused products are cheap where the instruction set has them, as all of aarch64 does.
 #[inline(always)]
 fn portable<'a>(
     problems: &Problems<'_>,
-    settings: &Settings<'_>,
+    asked: &Asked<'_>,
     next: &(dyn Fn() -> Option<Chunk<'a>> + Sync),
-) -> Result<()> {
+    rest: &mut Rest<'_>,
+) {
     const FUSED: bool = cfg!(target_arch = "aarch64");
-    run::<F64x8<FUSED>, 0>(problems, settings, next)
+    run::<F64x8<FUSED>, 0>(problems, asked, next, rest)
 }
 
-/// `X` holds problems side by side; `N` is the order if known at compile time, else 0.
+/// [`work`] on one kind of lane: `X` holds problems side by side; `N` is the order if known at compile time, else 0.
 #[inline(always)]
-pub(super) fn run<'a, X: Lane, const N: usize>(
+pub fn run<'a, X: Lane, const N: usize>(
     problems: &Problems<'_>,
-    settings: &Settings<'_>,
+    asked: &Asked<'_>,
     next: &(dyn Fn() -> Option<Chunk<'a>> + Sync),
-) -> Result<()> {
+    rest: &mut Rest<'_>,
+) {
     let n = problems.n;
-    let in_lanes = settings.by_kernels() && n > 0 && n <= GUESS_ORDER;
+    let in_lanes = asked.in_lanes && n > 0 && n <= GUESS_ORDER;
     let mut lanes = Lanes::<X>::new(if in_lanes { n } else { 0 });
-    let mut alone = Alone::new(problems, settings);
     let mut waiting = Vec::new();
     while let Some(mut chunk) = next() {
         waiting.clear();
         waiting.extend(0..chunk.output.status.len());
-        let task = Task { problems, settings, first: chunk.first };
         if in_lanes {
+            let task = Task { problems, asked, first: chunk.first };
             lanes.solve::<N>(&task, &mut waiting, &mut chunk.output);
         }
-        alone.solve(&task, &mut waiting, &mut chunk.output)?;
+        if !rest(&mut chunk, &mut waiting) {
+            return;
+        }
     }
-    Ok(())
 }
 
 /// What a worker reads.
 pub(super) struct Task<'a> {
     pub problems: &'a Problems<'a>,
-    pub settings: &'a Settings<'a>,
+    pub asked: &'a Asked<'a>,
     /// Place of the chunk in the batch.
     pub first: usize,
 }

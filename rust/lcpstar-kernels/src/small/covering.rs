@@ -25,7 +25,7 @@ impl Covering {
 
 /// Entry i of the covering vector: 1 plus the fractional part of `(i + 1)` times the golden ratio, to 52 bits.
 #[inline(always)]
-pub(crate) fn spread(i: usize) -> f64 {
+pub fn spread(i: usize) -> f64 {
     /// 2^64 times the fractional part.
     const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
     f64::from_bits(1.0_f64.to_bits() | (i as u64 + 1).wrapping_mul(GOLDEN) >> 12)

@@ -13,9 +13,19 @@ use std::thread::LocalKey;
 /// What to do with a problem.
 pub enum Task<'a> {
     /// Lemke's method; its point and whether each z_j is basic are written, n of each. Asks for memory `ahead` beside each pivot.
-    Solve { z: &'a mut [f64], basic: &'a mut [bool], ahead: &'a mut Ahead },
+    Solve {
+        /// The point.
+        z: &'a mut [f64],
+        /// Whether z_j is basic.
+        basic: &'a mut [bool],
+        /// Memory that is needed next.
+        ahead: &'a mut Ahead,
+    },
     /// The verdict on a point `z >= 0`.
-    Verify { z: &'a [f64] },
+    Verify {
+        /// The point.
+        z: &'a [f64],
+    },
 }
 
 /// Where the memory of a thread rests.

@@ -18,6 +18,7 @@ pub struct Outcome {
     pub accepted: Option<Accepted>,
     /// The method ended with a complementary basis, and the point is its.
     pub found_basis: bool,
+    /// Pivots made.
     pub pivots: usize,
 }
 
@@ -36,16 +37,16 @@ enum Stop {
 const REFINEMENTS: usize = 2;
 
 /// Pivots per row of the problem after which the method gives up.
-pub(crate) const PIVOTS_PER_ROW: usize = 10;
+pub const PIVOTS_PER_ROW: usize = 10;
 
 /// Order beyond which the limit on pivots no longer grows: the portfolio does better than to wait.
 const PATIENT_UP_TO: usize = 64;
 
 /// A sum smaller than this part of its terms' magnitudes is rounding error.
-pub(crate) const ROUNDING: f64 = 64.0 * f64::EPSILON;
+pub const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
 /// A correction that leaves less than this part of a value shows that the value was rounding error.
-pub(crate) const CANCELLED: f64 = 1e-8;
+pub const CANCELLED: f64 = 1e-8;
 
 /// A run of the method and its answer; the memory grows to the largest problem it has seen. Vectors of numbers are padded.
 pub struct Lemke<X> {

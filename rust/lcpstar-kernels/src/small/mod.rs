@@ -3,17 +3,17 @@
 //!
 //! A time limit is not looked at: the limit on pivots ends a run of order 128 within a few milliseconds.
 
-pub(crate) mod ahead;
+pub mod ahead;
 #[cfg(target_arch = "x86_64")]
-pub(crate) mod avx;
-pub(crate) mod covering;
-pub(crate) mod dispatch;
-pub(crate) mod lane;
-pub(crate) mod lemke;
-pub(crate) mod ratio;
-pub(crate) mod scales;
-pub(crate) mod tableau;
-pub(crate) mod verify;
+pub mod avx;
+pub mod covering;
+pub mod dispatch;
+pub mod lane;
+pub mod lemke;
+pub mod ratio;
+pub mod scales;
+pub mod tableau;
+pub mod verify;
 
 use ahead::Ahead;
 use dispatch::{Task, run};

@@ -4,10 +4,10 @@ use super::lane::{Lane, Mask};
 use super::tableau::{WIDTH, at};
 
 /// Smallest pivot relative to the largest entry of the driving column.
-pub(crate) const PIVOT_TOLERANCE: f64 = 1e-10;
+pub const PIVOT_TOLERANCE: f64 = 1e-10;
 
 /// Ratios within this factor of the least one are tied.
-pub(crate) const TIE: f64 = 1.0 + 1e-11;
+pub const TIE: f64 = 1.0 + 1e-11;
 
 /// The row of `value + z_0 covering` that is the last to become nonnegative as z_0 grows from 0; `None` if all are. O(n).
 #[inline(always)]

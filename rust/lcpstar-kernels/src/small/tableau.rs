@@ -16,7 +16,7 @@ pub(super) const WIDTH: usize = 8;
 const LATE_PER_ROW: usize = 2;
 
 /// A value that cancels to less than this part of itself is rounding error, and zero.
-pub(crate) const NOISE: f64 = 1e-14;
+pub const NOISE: f64 = 1e-14;
 
 /// Variables are numbered: `w_j` is j, `z_j` is `n + j`, `z_0` is `2 n`.
 pub struct Tableau<X> {

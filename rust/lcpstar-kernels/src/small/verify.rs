@@ -1,5 +1,5 @@
 //! Whether a point solves the problem, in the arithmetic of the lanes and therefore with room for its errors: what is accepted here,
-//! the [`Rule`](crate::residual::Rule) of the judge accepts. What is not, is looked at again by a slower path.
+//! the rule of the judge accepts (`lcpstar::residual::Rule`). What is not, is looked at again by a slower path.
 //!
 //! Let `m = |A||z| + |q|`. The computed `w_i` is off by at most `e_i = (n + 2) eps/2 m_i` [Hig02, sec. 3.1], so
 //! `|min(z_i, w_i)| <= b_i := |w_i| + e_i` where `z_i > 0` and `max(e_i - w_i, 0)` where `z_i = 0`. The tests of the rule follow one by

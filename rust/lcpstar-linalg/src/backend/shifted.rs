@@ -1,7 +1,7 @@
 //! `A + diag(d)` factored again and again for the same dense A and changing `d > 0`, without allocating.
 
-use crate::linalg::blocked::BlockFactor;
-use crate::linalg::kernels;
+use crate::blocked::BlockFactor;
+use crate::kernels;
 use faer::diag::DiagRef;
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::ldlt::{self, factor::LdltRegularization};

@@ -1,8 +1,7 @@
 //! What the lanes leave, one problem at a time: from the caller's guess, by Lemke's method in memory that is used again, by the
 //! general solver.
 
-use super::io::{Guess, Output, Problems, Settings};
-use super::work::{GUESS_ORDER, LEMKE, Task};
+use super::{Guess, Output, Problems, Settings};
 use crate::control::Control;
 use crate::driver::{self, doubt};
 use crate::equilibrate::Equilibrated;
@@ -15,14 +14,16 @@ use crate::small::ahead::Ahead;
 use crate::small::dispatch;
 use crate::solution::{Candidate, Solution};
 use crate::status::Termination;
+use lcpstar_kernels::batch::work::{Chunk, GUESS_ORDER, LEMKE};
 
 /// Largest order for which Lemke's method is tried before the general solver.
 const SMALL_ORDER: usize = 192;
 
 /// Memory of one thread.
 pub(super) struct Alone<'a> {
-    n: usize,
-    /// A problem in double precision, where the caller's is not.
+    problems: &'a Problems<'a>,
+    settings: &'a Settings<'a>,
+    /// A problem, copied: what is solved is what is judged, whatever becomes of the caller's arrays meanwhile.
     a: Vec<f64>,
     q: Vec<f64>,
     /// Whether z_j is in the basis on which Lemke's method ended.
@@ -35,7 +36,7 @@ pub(super) struct Alone<'a> {
 }
 
 impl<'a> Alone<'a> {
-    pub fn new(problems: &Problems<'_>, settings: &Settings<'a>) -> Self {
+    pub fn new(problems: &'a Problems<'a>, settings: &'a Settings<'a>) -> Self {
         let general = driver::Settings {
             method: settings.method.clone(),
             tol: settings.tol,
@@ -44,7 +45,8 @@ impl<'a> Alone<'a> {
         };
         let control = Control { interrupted: settings.interrupted, ..Control::default() };
         Self {
-            n: problems.n,
+            problems,
+            settings,
             a: Vec::new(),
             q: Vec::new(),
             basic: vec![false; problems.n],
@@ -56,35 +58,36 @@ impl<'a> Alone<'a> {
     }
 
     /// Solves the problems in `waiting`.
-    pub fn solve(&mut self, task: &Task<'_>, waiting: &mut Vec<usize>, output: &mut Output<'_>) -> Result<()> {
-        let (n, settings) = (self.n, task.settings);
+    pub fn solve(&mut self, chunk: &mut Chunk<'_>, waiting: &mut Vec<usize>) -> Result<()> {
+        let (n, settings) = (self.problems.n, self.settings);
         // Up to `GUESS_ORDER` the lanes have tried the guess.
         let by_kernels = settings.by_kernels() && n > 0 && n <= SMALL_ORDER;
         let guessed = !matches!(settings.guess, Guess::None) && (n > GUESS_ORDER || !by_kernels);
         if guessed && by_kernels {
-            self.by_guess(task, waiting, output)?;
+            self.by_guess(chunk, waiting)?;
         }
         // Above it, the general solver's path from the guess is the cheaper one.
         if by_kernels && (!guessed || n <= TINY_ORDER) {
-            self.by_lemke(task, waiting, output);
+            self.by_lemke(chunk, waiting);
         }
         for &k in &*waiting {
-            let place = task.first + k;
+            let place = chunk.first + k;
             self.general.z0 = if guessed { Some(point(n, settings.guess, place)) } else { None };
-            let lcp = problem(task.problems, place)?;
+            let lcp = problem(self.problems, place)?;
             let solution = driver::solve(&lcp, &self.general, &self.control).map_err(|error| in_batch(error, place))?;
-            write(output, n, k, &solution);
+            write(&mut chunk.output, n, k, &solution);
         }
         Ok(())
     }
 
     /// The supports that the caller guesses, for each problem that waits.
-    fn by_guess(&mut self, task: &Task<'_>, waiting: &mut Vec<usize>, output: &mut Output<'_>) -> Result<()> {
+    fn by_guess(&mut self, chunk: &mut Chunk<'_>, waiting: &mut Vec<usize>) -> Result<()> {
+        let n = self.problems.n;
         for k in waiting.drain(..) {
-            let place = task.first + k;
-            self.general.z0 = Some(point(self.n, task.settings.guess, place));
-            match driver::solve_from_guess(&problem(task.problems, place)?, &self.general) {
-                Some(solution) => write(output, self.n, k, &solution),
+            let place = chunk.first + k;
+            self.general.z0 = Some(point(n, self.settings.guess, place));
+            match driver::solve_from_guess(&problem(self.problems, place)?, &self.general) {
+                Some(solution) => write(&mut chunk.output, n, k, &solution),
                 None => self.left.push(k),
             }
         }
@@ -93,15 +96,16 @@ impl<'a> Alone<'a> {
     }
 
     /// Lemke's method for each problem that waits.
-    fn by_lemke(&mut self, task: &Task<'_>, waiting: &mut Vec<usize>, output: &mut Output<'_>) {
-        let (n, problems, tol) = (self.n, task.problems, task.settings.tol);
+    fn by_lemke(&mut self, chunk: &mut Chunk<'_>, waiting: &mut Vec<usize>) {
+        let (n, problems, tol, output) = (self.problems.n, self.problems, self.settings.tol, &mut chunk.output);
         for (i, &k) in waiting.iter().enumerate() {
-            let (place, range) = (task.first + k, k * n..(k + 1) * n);
+            let (place, range) = (chunk.first + k, k * n..(k + 1) * n);
             self.ahead.clear();
             if let Some(next) = waiting.get(i + 1) {
-                problems.plan(&mut self.ahead, task.first + next, n.div_ceil(2));
+                problems.plan(&mut self.ahead, chunk.first + next, n.div_ceil(2));
             }
-            let (a, q) = problems.doubles(place, &mut self.a, &mut self.q);
+            problems.copy(place, &mut self.a, &mut self.q);
+            let (a, q) = (&self.a[..], &self.q[..]);
             let (z, w) = (&mut output.z[range.clone()], &mut output.w[range.clone()]);
             let solve = dispatch::Task::Solve { z, basic: &mut self.basic, ahead: &mut self.ahead };
             let outcome = dispatch::run(solve, a, q, w, tol);
@@ -138,8 +142,8 @@ fn unverified(a: &[f64], q: &[f64], z: &[f64], basic: &[bool], pivots: usize, to
 /// A problem of the batch for the general solver.
 fn problem(problems: &Problems<'_>, place: usize) -> Result<Lcp> {
     let (mut a, mut q) = (Vec::new(), Vec::new());
-    let (a, q) = problems.doubles(place, &mut a, &mut q);
-    Lcp::new(problems.n, a.to_vec(), q.to_vec()).map_err(|error| in_batch(error, place))
+    problems.copy(place, &mut a, &mut q);
+    Lcp::new(problems.n, a, q).map_err(|error| in_batch(error, place))
 }
 
 /// A point with the support that is guessed.

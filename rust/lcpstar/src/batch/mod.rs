@@ -5,15 +5,11 @@
 //! number of threads.
 
 mod alone;
-mod io;
-mod lanes;
-mod lemke_lanes;
-mod minors;
-mod newton;
 mod schedule;
+mod settings;
 #[cfg(test)]
 mod tests;
-mod work;
 
-pub use io::{Alpha, Guess, Numbers, Output, Problems, Settings, Source};
+pub use lcpstar_kernels::batch::io::{Alpha, Guess, Numbers, Output, Problems, Source};
 pub use schedule::solve_batch;
+pub use settings::Settings;

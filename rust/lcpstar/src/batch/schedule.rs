@@ -1,8 +1,9 @@
 //! Hands chunks of a batch to threads.
 
-use super::io::{Output, Problems, Settings};
-use super::work::{Chunk, work};
+use super::alone::Alone;
+use super::{Output, Problems, Settings};
 use crate::error::{LcpError, Result};
+use lcpstar_kernels::batch::work::{Chunk, work};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, OnceLock, PoisonError};
 
@@ -49,7 +50,11 @@ pub fn solve_batch(problems: &Problems<'_>, settings: &Settings<'_>, output: Out
     };
     let helpers = threads.min(chunks).saturating_sub(1);
     let run = || {
-        let result = work(problems, settings, &next);
+        let (mut alone, mut result) = (Alone::new(problems, settings), Ok(()));
+        work(problems, &settings.asked(), &next, &mut |chunk, waiting| {
+            result = alone.solve(chunk, waiting);
+            result.is_ok()
+        });
         if result.is_err() {
             stopped.store(true, Ordering::Relaxed);
         }

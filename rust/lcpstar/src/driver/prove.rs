@@ -93,18 +93,18 @@ fn solution_near(
     control: &Control<'_>,
     stop: &dyn Fn() -> bool,
 ) -> Option<ExactSolution> {
-    if let ProofOutcome::Proved(exact) = prove_solution(lcp, &solution.alpha, stop) {
+    if let ProofOutcome::Proved(exact) = prove_solution(lcp.view(), &solution.alpha, stop) {
         return Some(exact);
     }
     let near = Near::new(lcp, solution);
     let found =
         near.tight_rows(stop).or_else(|| near.double_double_path(control, stop)).or_else(|| near.programmes()).or_else(
-            || match repair::repair(lcp, &solution.alpha, stop) {
+            || match repair::repair(lcp.view(), &solution.alpha, stop) {
                 Repaired::Solved(exact, _) => Some(exact),
                 Repaired::Ray(_) | Repaired::Interrupted => None,
             },
         );
-    found.filter(|exact| check_solution(lcp, &exact.z))
+    found.filter(|exact| check_solution(lcp.view(), &exact.z))
 }
 
 /// A point that solves the problem to rounding, and where an exact solution is looked for.
@@ -143,8 +143,9 @@ impl<'a> Near<'a> {
     }
 
     fn tight_rows(&self, stop: &dyn Fn() -> bool) -> Option<ExactSolution> {
-        self.guesses()
-            .find_map(|(support, tight)| prove_tight(self.problem.original, &self.solution.z, &support, &tight, stop))
+        self.guesses().find_map(|(support, tight)| {
+            prove_tight(self.problem.original.view(), &self.solution.z, &support, &tight, stop)
+        })
     }
 
     /// Differences that doubles cannot see decide the basis of a degenerate solution: q is exact data, and its last bits
@@ -152,7 +153,7 @@ impl<'a> Near<'a> {
     fn double_double_path(&self, control: &Control<'_>, stop: &dyn Fn() -> bool) -> Option<ExactSolution> {
         let control = control.with_max_iterations(None);
         let found = lemke::lemke_from::<Dd>(&self.problem.lcp, &self.solution.alpha, &control);
-        match prove_solution(self.problem.original, &found.alpha?, stop) {
+        match prove_solution(self.problem.original.view(), &found.alpha?, stop) {
             ProofOutcome::Proved(exact) => Some(exact),
             _ => None,
         }
@@ -169,7 +170,7 @@ impl<'a> Near<'a> {
             (0..sets).find_map(|set| {
                 let chosen = open.iter().enumerate().filter(|(t, _)| set >> t & 1 == 1).map(|(_, &i)| i);
                 let alpha: Vec<usize> = support.iter().copied().chain(chosen).collect();
-                prove_by_programme(self.problem.original, &alpha)
+                prove_by_programme(self.problem.original.view(), &alpha)
             })
         })
     }
@@ -183,8 +184,8 @@ fn by_exact_path<P: Rows>(
     tol: f64,
     stop: &dyn Fn() -> bool,
 ) -> Solution {
-    if let Repaired::Solved(exact, pivots) = repair::repair(lcp, &solution.alpha, stop)
-        && check_solution(lcp, &exact.z)
+    if let Repaired::Solved(exact, pivots) = repair::repair(lcp.view(), &solution.alpha, stop)
+        && check_solution(lcp.view(), &exact.z)
     {
         solution.iterations += pivots;
         solution.method = Member::ExactLemke;
@@ -192,7 +193,7 @@ fn by_exact_path<P: Rows>(
     }
     if let Some(ray) = &solution.ray
         && solution.status() == Status::SecondaryRay
-        && let Some(exact) = prove_ray(lcp, &ray.d, &ray.z_hat, ray.z0_hat, stop)
+        && let Some(exact) = prove_ray(lcp.view(), &ray.d, &ray.z_hat, ray.z0_hat, stop)
     {
         solution.verdict = Verdict::of(Evidence::Stopped(Termination::SecondaryRay, Some(Aside::Ray(exact.z))));
     }
@@ -209,7 +210,7 @@ pub(super) fn infeasible(mut solution: Solution, farkas: Farkas) -> Solution {
 pub(super) fn exact_farkas(lcp: &Lcp, control: &Control<'_>) -> Option<Farkas> {
     let control = control.with_max_iterations(None);
     let found = feasibility::feasibility(&Equilibrated::new(lcp).lcp, &control);
-    match exact_feasibility(lcp, &found.rho, &found.beta, &|| control.expired().is_some()) {
+    match exact_feasibility(lcp.view(), &found.rho, &found.beta, &|| control.expired().is_some()) {
         Feasibility::Infeasible(y) => Farkas::new(lcp, y),
         Feasibility::Feasible(_) | Feasibility::Interrupted => None,
     }

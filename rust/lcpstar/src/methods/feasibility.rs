@@ -254,7 +254,7 @@ mod tests {
     /// Every float verdict is compared with the exact one from the same basis.
     fn compare(lcp: &Lcp) -> bool {
         let found = feasibility(lcp, &Control::default());
-        let exact = exact::feasibility(lcp, &found.rho, &found.beta, &|| false);
+        let exact = exact::feasibility(lcp.view(), &found.rho, &found.beta, &|| false);
         match (found.verdict, exact) {
             (Verdict::Feasible(z), exact::Feasibility::Feasible(_)) => {
                 for i in 0..lcp.n() {
@@ -265,11 +265,11 @@ mod tests {
                 true
             }
             (Verdict::Infeasible(y), exact::Feasibility::Infeasible(exact)) => {
-                assert!(check_farkas(lcp, &exact));
+                assert!(check_farkas(lcp.view(), &exact));
                 let q = linear_form(lcp.q().iter().copied().zip(&exact.numerators));
                 assert!(q.value < num_bigint::BigInt::from(0));
-                let near = repair_farkas(lcp, &y, &|| false).expect("a nondegenerate vector is repaired");
-                assert!(check_farkas(lcp, &near));
+                let near = repair_farkas(lcp.view(), &y, &|| false).expect("a nondegenerate vector is repaired");
+                assert!(check_farkas(lcp.view(), &near));
                 false
             }
             (found, exact) => panic!("{found:?} against {exact:?}"),

@@ -38,7 +38,7 @@ pub fn principal_pivoting<T: Real>(lcp: &Lcp, control: &Control<'_>) -> Candidat
             Candidate { farkas: basis::row_multiplier(lcp, &alpha, k), ..last(Termination::Infeasible) }
         }
         End::NotSufficient(evidence) => {
-            let proof = sufficiency::prove(lcp, &evidence, &|| control.expired().is_some());
+            let proof = sufficiency::prove(lcp.view(), &evidence, &|| control.expired().is_some());
             let termination = match proof {
                 Some(_) => Termination::NotSufficient,
                 None => Termination::Breakdown("A looks insufficient, but rounding hides the proof"),

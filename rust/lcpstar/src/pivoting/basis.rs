@@ -48,7 +48,7 @@ impl Block {
     pub fn factor(&mut self, lcp: &Lcp, alpha: &[usize]) -> bool {
         self.hold(alpha);
         if alpha.len() < LIBRARY_FROM {
-            return self.own.lu(lcp, alpha);
+            return self.own.lu(lcp.square(), alpha);
         }
         self.library = DenseLu::new(alpha.len(), &principal_block(lcp, alpha)).map(Library::Lu);
         self.library.is_some()
@@ -60,7 +60,7 @@ impl Block {
         self.hold(alpha);
         let m = alpha.len();
         if m < LIBRARY_FROM {
-            return self.own.cholesky(lcp, alpha, shift, FLOOR * m as f64);
+            return self.own.cholesky(lcp.square(), alpha, shift, FLOOR * m as f64);
         }
         let mut block = principal_block(lcp, alpha);
         block.iter_mut().step_by(m + 1).for_each(|x| *x += shift);
@@ -77,7 +77,7 @@ impl Block {
         weights: &[f64],
         floor: f64,
     ) -> Option<usize> {
-        let rank = self.own.cholesky_pivoted(lcp, alpha, weights, floor)?;
+        let rank = self.own.cholesky_pivoted(lcp.square(), alpha, weights, floor)?;
         self.hold(&alpha[..rank]);
         Some(rank)
     }

@@ -6,9 +6,9 @@
 //! row and that column, in the base and in what is pending, and adds one term: `v = -T_r. / t` with `v_s = 1/t`, the new
 //! row; `u = T_.s` with `u_r = 1`.
 
+use super::Var;
 use super::dictionary::{Entering, PIVOT, tie_tolerance, unit};
 use super::path::Tableau;
-use super::var::Var;
 use crate::linalg::kernels::{self, LANES};
 use crate::linalg::update::{Window, add_products};
 use crate::problem::Lcp;

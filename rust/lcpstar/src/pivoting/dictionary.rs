@@ -2,9 +2,9 @@
 
 mod restart;
 
+use super::Var;
 use super::path::Tableau;
 use super::real::Real;
-use super::var::Var;
 use crate::linalg::kernels;
 use crate::problem::Lcp;
 

@@ -8,10 +8,9 @@ pub mod path;
 pub mod real;
 pub mod semidefinite;
 pub mod transform;
-pub mod var;
 
+pub use crate::exact::var::Var;
 pub use delayed::DelayedDictionary;
 pub use dictionary::{Dictionary, Entering};
 pub use path::Tableau;
 pub use real::Real;
-pub use var::Var;

@@ -1,7 +1,7 @@
 //! What a path of almost complementary bases needs of the tableau it runs in.
 
+use super::Var;
 use super::dictionary::Entering;
-use super::var::Var;
 use crate::problem::Lcp;
 
 /// The tableau `x_B = q_bar + T x_N` of a complementary pivoting method.

@@ -56,7 +56,7 @@ mod tests {
         for face in &faces {
             assert!(!face.vertices.is_empty());
             for v in &face.vertices {
-                assert!(check_solution(&lcp, v));
+                assert!(check_solution(lcp.view(), v));
                 for r in &face.rays {
                     let moved = RationalVec {
                         numerators: (0..n)
@@ -64,7 +64,7 @@ mod tests {
                             .collect(),
                         denominator: &v.denominator * &r.denominator,
                     };
-                    assert!(check_solution(&lcp, &moved));
+                    assert!(check_solution(lcp.view(), &moved));
                 }
             }
         }
@@ -125,7 +125,7 @@ mod tests {
             for mask in 0..1usize << n {
                 let alpha: Vec<usize> = (0..n).filter(|i| mask >> i & 1 == 1).collect();
                 let block = crate::exact::padic::Block::new(alpha.len(), |i, j| lcp.row(alpha[i])[alpha[j]]);
-                if let (Ok(_), ProofOutcome::Proved(s)) = (block, prove_solution(&lcp, &alpha, &|| false)) {
+                if let (Ok(_), ProofOutcome::Proved(s)) = (block, prove_solution(lcp.view(), &alpha, &|| false)) {
                     assert!(inside(&s.z), "n = {n}, alpha = {alpha:?}");
                     expected += 1;
                 }

@@ -2,8 +2,8 @@
 
 use super::{Dictionary, Place};
 use crate::control::Control;
+use crate::pivoting::Var;
 use crate::pivoting::real::Real;
-use crate::pivoting::var::Var;
 use crate::status::Termination;
 
 /// A pivot of a principal block below this is left for the path to decide: on an equilibrated problem the block is

@@ -1,11 +1,12 @@
 //! One wheel for every machine: whole batches on every kind of lane that this one has.
 
-use super::io::{Alpha, Guess, Numbers, Output, Problems, Settings, Source};
+use super::alone::Alone;
 use super::schedule::solve_batch;
-use super::work::{Chunk, ENUMERATE, LEMKE, NEWTON, run};
+use super::{Alpha, Guess, Numbers, Output, Problems, Settings, Source};
 use crate::driver::Method;
 use crate::small::lane::{F64x8, Lane, Pair};
 use crate::status::Status;
+use lcpstar_kernels::batch::work::{Chunk, ENUMERATE, LEMKE, NEWTON, run};
 use std::collections::HashSet;
 use std::sync::{Mutex, PoisonError};
 use std::thread::ThreadId;
@@ -85,7 +86,11 @@ fn solved_by<X: Lane, const N: usize>(batch: Batch<'_>, count: usize) -> Results
     let mut results = Results::new(batch.n, count);
     let chunk = Mutex::new(Some(Chunk { first: 0, output: results.output() }));
     let next = || chunk.lock().unwrap_or_else(PoisonError::into_inner).take();
-    run::<X, N>(&problems, &settings, &next).expect("finite numbers");
+    let mut alone = Alone::new(&problems, &settings);
+    run::<X, N>(&problems, &settings.asked(), &next, &mut |chunk, waiting| {
+        alone.solve(chunk, waiting).expect("finite numbers");
+        true
+    });
     results
 }
 
