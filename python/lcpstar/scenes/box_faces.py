@@ -1,18 +1,22 @@
-"""Contacts of boxes in space: the separating face and what of the facing face lies above it; all pairs at once."""
+"""Contacts of boxes in space, all pairs at once: edges that cross, or the separating face and what lies above it."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from ..coerce import Matrix, Vector
+from .box_edges import crossing_axes, crossings
 from .contact import Indices
 from .rotation import dot, rotate, rotate_back
 from .scene import Scene
 
-#: The first body's face is kept as the reference unless the other's separates by this fraction of the radius more.
+#: The first body's face is kept as the reference unless the other's, or two edges, separate by this fraction of the
+#: radius more.
 _PREFERENCE = 1e-4
 #: Points of a face nearer than this, in extents, are one: faces that match have four contacts, not eight.
 _SAME = 1e-4
+#: Numbers of contacts on faces are below this; edges come after.
+_FACES = 144
 #: Going around the face with the normal along `axis`: signs along the next two axes.
 _AROUND = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
 
@@ -20,16 +24,38 @@ _AROUND = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
 def box_contacts(
     scene: Scene, R: Matrix, i: Indices, j: Indices, margin: Vector
 ) -> tuple[Indices, Indices, Matrix, Matrix, Vector, Indices]:
-    """Corners of the overlap of two faces, at most eight per pair; edges against edges are not found."""
+    """One contact where an edge crosses an edge; else the corners of the overlap of two faces, at most eight."""
     half = np.array([b.shape.half for b in scene.bodies]).reshape(-1, 3)  # type: ignore[union-attr]
     offset = scene.position[j] - scene.position[i]
     separation_i, axis_i = _deepest_axis(R, half, i, j, offset)
     separation_j, axis_j = _deepest_axis(R, half, j, i, -offset)
-    swap = separation_j > separation_i + _PREFERENCE * np.minimum(scene.radius[i], scene.radius[j])
-    near = np.where(swap, separation_j, separation_i) < margin
-    i, j, swap, margin = i[near], j[near], swap[near], margin[near]
-    reference, other = np.where(swap, j, i), np.where(swap, i, j)
+    preference = _PREFERENCE * np.minimum(scene.radius[i], scene.radius[j])
+    of_faces = np.maximum(separation_i, separation_j)
+    boxes = (R[i], R[j], half[i], half[j], offset)
+    separation_e, normal, edges = crossing_axes(*boxes)
+    middle, crosses, number = crossings(*boxes, normal, edges)
+    crosses &= separation_e > of_faces + preference
+    near = crosses & (separation_e < margin)
+    on_edges = (
+        i[near],
+        j[near],
+        scene.position[i[near]] + middle[near],
+        -normal[near],
+        separation_e[near],
+        _FACES + number[near],
+    )
+    near = ~crosses & (of_faces < margin)
+    swap = (separation_j > separation_i + preference)[near]
     axis = np.where(swap, axis_j[near], axis_i[near])
+    on_faces = _face_contacts(scene, R, half, i[near], j[near], margin[near], swap, axis)
+    return tuple(np.concatenate(both) for both in zip(on_faces, on_edges, strict=True))  # type: ignore[return-value]
+
+
+def _face_contacts(
+    scene: Scene, R: Matrix, half: Matrix, i: Indices, j: Indices, margin: Vector, swap: np.ndarray, axis: Indices
+) -> tuple[Indices, Indices, Matrix, Matrix, Vector, Indices]:
+    """What of the facing face lies above the face along `axis` of box i, or of box j where `swap`."""
+    reference, other = np.where(swap, j, i), np.where(swap, i, j)
     towards_other = scene.position[other] - scene.position[reference]
     rows = np.arange(len(i))
     column = R[reference, :, axis]

@@ -1,7 +1,6 @@
-"""Contact points of a scene: spheres, convex polygons in the plane, faces of boxes, and planes.
+"""Contact points of a scene: spheres, convex polygons in the plane, boxes, and planes.
 
-A workload generator, not a collision library: boxes in space meet at faces (no edge against edge), a scene holds
-spheres or boxes, not both.
+A workload generator, not a collision library: a scene holds spheres or boxes, not both.
 """
 
 from __future__ import annotations
@@ -53,7 +52,7 @@ def find_contacts(scene: Scene, dt: float, margin: Vector | None = None) -> Cont
 
     A pair's contacts depend on
     that pair alone. O(n + contacts) in NumPy for bodies of similar size; a planar pair of polygons with m corners costs
-    O(m^2), a pair of boxes the six face normals.
+    O(m^2), a pair of boxes six face normals and nine products of edges.
     """
     margin = margins(scene, dt) if margin is None else margin
     movable = np.isfinite(scene.mass)
@@ -85,9 +84,10 @@ def _spheres(
     apart = scene.position[i] - scene.position[j]
     distance = np.sqrt(dot(apart, apart))
     gap = distance - (radius[i] + radius[j])
-    keep = (gap < margin) & (distance > 0)
+    keep = gap < margin
     i, j, gap = i[keep], j[keep], gap[keep]
-    normal = apart[keep] / distance[keep, None]
+    at_one_point = (distance[keep] == 0)[:, None]  # any normal will do
+    normal = np.where(at_one_point, (0.0, 0.0, 1.0), apart[keep]) / np.where(at_one_point, 1.0, distance[keep, None])
     point = scene.position[j] + normal * (radius[j] + 0.5 * gap)[:, None]
     return i, j, point, normal, gap, np.zeros(len(i), np.intp)
 
