@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+from fractions import Fraction
 
 import numpy as np
 import pytest
@@ -64,7 +65,7 @@ def test_exit_status_one_when_not_solved(tmp_path):
     assert run.returncode == 1
     result = json.loads(run.stdout)
     assert result["status"] == "infeasible"
-    assert result["certificate"]["y"][0] > 0
+    assert Fraction(result["certificate"]["y"][0]) > 0
 
 
 @pytest.mark.parametrize(

@@ -169,6 +169,7 @@ def solution_as_dict(solution: Any) -> dict[str, Any]:
             "exact": certificate.exact,
             "alpha": certificate.alpha,
             "y": _plain(certificate.y),
+            "bound": certificate.bound,
             "z": _plain(certificate.z),
         },
         "pieces": [{"indices": indices, "method": method} for indices, method in solution.pieces],
