@@ -40,21 +40,9 @@ fn problem(n: usize) -> Vec<f64> {
 }
 
 #[divan::bench(args = BLOCKS)]
-fn block_lu(bencher: Bencher<'_, '_>, n: usize) {
-    let (entries, alpha, mut factor) = (problem(n), (0..n).collect::<Vec<_>>(), BlockFactor::default());
-    bencher.bench_local(|| factor.lu(black_box(Square { n, entries: &entries }), &alpha));
-}
-
-#[divan::bench(args = BLOCKS)]
 fn block_cholesky(bencher: Bencher<'_, '_>, n: usize) {
     let (entries, alpha, mut factor) = (problem(n), (0..n).collect::<Vec<_>>(), BlockFactor::default());
     bencher.bench_local(|| factor.cholesky(black_box(Square { n, entries: &entries }), &alpha, 0.0, 1e-14));
-}
-
-#[divan::bench(args = BLOCKS)]
-fn library_lu(bencher: Bencher<'_, '_>, n: usize) {
-    let entries = problem(n);
-    bencher.bench_local(|| DenseLu::new(n, black_box(&entries)));
 }
 
 #[divan::bench(args = BLOCKS)]

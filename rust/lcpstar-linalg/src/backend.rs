@@ -5,6 +5,7 @@
 //! (record in `benches/record/backend.md`).
 
 mod gram;
+mod lu;
 mod row_space;
 mod shifted;
 mod sparse;
@@ -15,93 +16,89 @@ pub use shifted::{ShiftedFactor, Structure};
 pub use sparse::SparseFactor;
 
 use super::kernels::{dot_compensated, max_abs};
-use faer::linalg::solvers::{PartialPivLu, Solve, SolveLstsq};
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::solvers::{Solve, SolveLstsq};
+use lu::InPlaceLu;
 use nalgebra::{DMatrix, DVector, Dyn, LU};
 
 /// Order from which faer is the faster of the two.
 pub const CUT_OVER: usize = 48;
 
-/// `P B = L U` of a dense square matrix, by partial pivoting.
+/// `P B = L U` of a dense square matrix, by partial pivoting; another one is factored in the same memory.
+#[derive(Default)]
 pub struct DenseLu {
-    n: usize,
-    factors: Factors,
-}
-
-enum Factors {
-    Small(LU<f64, Dyn, Dyn>),
-    Large(PartialPivLu<f64>),
+    large: InPlaceLu,
+    /// Instead of `large`.
+    small: Option<LU<f64, Dyn, Dyn>>,
 }
 
 impl DenseLu {
     /// Factors the row-major matrix `b` of order `n`. O(n^3). `None` if a pivot is zero or not finite.
     #[must_use]
     pub fn new(n: usize, b: &[f64]) -> Option<Self> {
-        debug_assert!(b.len() == n * n);
         if n < CUT_OVER { Self::small(n, b) } else { Self::large(n, b) }
     }
 
     /// As [`DenseLu::new`], by nalgebra whatever n is.
     #[must_use]
     pub fn small(n: usize, b: &[f64]) -> Option<Self> {
-        let lu = LU::new(DMatrix::from_row_slice(n, n, b));
-        let u = lu.lu_internal();
-        (0..n).all(|i| is_pivot(u[(i, i)])).then_some(Self { n, factors: Factors::Small(lu) })
+        let mut lu = Self::default();
+        lu.rows(n).copy_from_slice(b);
+        lu.factor_small(n).then_some(lu)
     }
 
     /// As [`DenseLu::new`], by faer whatever n is.
     #[must_use]
     pub fn large(n: usize, b: &[f64]) -> Option<Self> {
-        let lu = PartialPivLu::new(faer::MatRef::from_row_major_slice(b, n, n));
-        let u = lu.U();
-        (0..n).all(|i| is_pivot(u[(i, i)])).then_some(Self { n, factors: Factors::Large(lu) })
+        let mut lu = Self::default();
+        lu.rows(n).copy_from_slice(b);
+        lu.factor_large(n).then_some(lu)
+    }
+
+    /// The rows of a matrix of order `n`, to be filled and then to be factored.
+    pub fn rows(&mut self, n: usize) -> &mut [f64] {
+        self.large.rows(n)
+    }
+
+    /// Factors what was filled in, of order `n`. O(n^3). `false` if a pivot is zero or not finite.
+    pub fn factor(&mut self, n: usize) -> bool {
+        if n < CUT_OVER { self.factor_small(n) } else { self.factor_large(n) }
+    }
+
+    fn factor_small(&mut self, n: usize) -> bool {
+        let lu = self.small.insert(LU::new(DMatrix::from_row_slice(n, n, self.large.rows(n))));
+        let u = lu.lu_internal();
+        (0..n).all(|i| is_pivot(u[(i, i)]))
+    }
+
+    fn factor_large(&mut self, n: usize) -> bool {
+        self.small = None;
+        self.large.factor(MemStack::new(&mut MemBuffer::new(InPlaceLu::scratch(n, 0))))
     }
 
     /// `B^-1 b`. O(n^2).
     #[must_use]
     pub fn solve(&self, b: &[f64]) -> Vec<f64> {
-        debug_assert!(b.len() == self.n);
-        if b.is_empty() {
-            return Vec::new();
-        }
-        match &self.factors {
-            Factors::Small(lu) => {
-                let mut x = DVector::from_column_slice(b);
-                let solved = lu.solve_mut(&mut x);
-                debug_assert!(solved, "invariant: no pivot is zero");
-                x.as_slice().to_vec()
-            }
-            Factors::Large(lu) => {
-                let mut x = faer::Mat::from_fn(self.n, 1, |i, _| b[i]);
-                lu.solve_in_place(&mut x);
-                (0..self.n).map(|i| x[(i, 0)]).collect()
-            }
-        }
+        self.solve_many(b, 1)
     }
 
     /// `B^-1 C` for a row-major `n x m` matrix `C`. O(n^2 m).
     #[must_use]
     pub fn solve_many(&self, c: &[f64], m: usize) -> Vec<f64> {
-        debug_assert!(c.len() == self.n * m);
         if c.is_empty() {
             return Vec::new();
         }
-        match &self.factors {
-            Factors::Small(lu) => {
-                let mut x = DMatrix::from_row_slice(self.n, m, c);
-                let solved = lu.solve_mut(&mut x);
-                debug_assert!(solved, "invariant: no pivot is zero");
-                x.transpose().as_slice().to_vec()
-            }
-            Factors::Large(lu) => {
-                let mut x = faer::Mat::from_fn(self.n, m, |i, j| c[i * m + j]);
-                lu.solve_in_place(&mut x);
-                let mut out = Vec::with_capacity(c.len());
-                for i in 0..self.n {
-                    out.extend((0..m).map(|j| x[(i, j)]));
-                }
-                out
-            }
+        let n = c.len() / m;
+        if let Some(lu) = &self.small {
+            let mut x = DMatrix::from_row_slice(n, m, c);
+            let solved = lu.solve_mut(&mut x);
+            debug_assert!(solved, "invariant: no pivot is zero");
+            return x.transpose().as_slice().to_vec();
         }
+        let mut x = c.to_vec();
+        let mut memory = MemBuffer::new(InPlaceLu::scratch(n, m));
+        self.large.solve(faer::MatMut::from_row_major_slice_mut(&mut x, n, m), MemStack::new(&mut memory));
+        x
     }
 
     /// `B^-1 b`, refined; `rows` is the matrix that was factored. See [`refine`].

@@ -1,17 +1,17 @@
-//! Cholesky and LU factors of a principal block `A[alpha, alpha]` in memory that is used again, right-looking in panels
+//! Cholesky factors of a principal block `A[alpha, alpha]` in memory that is used again, right-looking in panels
 //! of eight rows.
 //!
 //! For the orders of pivoting methods (10 to 500) the libraries spend more on packing and allocation than on the
 //! arithmetic; see `benches/record/backend.md`. Larger blocks are theirs, see [`backend`](super::backend).
 
-use super::kernels::{LANES, dot};
+use super::kernels::LANES;
 use super::update::{Window, add_products};
 use crate::square::Square;
 use multiversion::multiversion;
 
 /// Rows of a panel.
 const PANEL: usize = LANES;
-/// Rows of a block of panels of a Cholesky factorisation.
+/// Rows of a block of panels.
 const BLOCK: usize = 16;
 /// Rows of the trailing part updated together, from their diagonal on.
 const STRIP: usize = 16;
@@ -61,14 +61,12 @@ impl std::ops::DerefMut for Aligned {
 pub struct BlockFactor {
     m: usize,
     stride: usize,
-    /// Row-major; R in the upper triangle, or L and U.
+    /// Row-major; R in the upper triangle.
     rows: Aligned,
     /// The panel's factors with their sign changed, term by term.
     panel: Aligned,
-    /// Least pivots of a Cholesky factorisation.
+    /// Least pivots.
     floors: Vec<f64>,
-    /// Row that was exchanged with row k; empty for Cholesky.
-    exchanged: Vec<usize>,
 }
 
 impl BlockFactor {
@@ -157,7 +155,6 @@ impl BlockFactor {
 
     fn start_upper(&mut self, m: usize) {
         self.resize(m);
-        self.exchanged.clear();
         self.floors.clear();
     }
 
@@ -216,40 +213,6 @@ impl BlockFactor {
         }
     }
 
-    /// `P A[alpha, alpha] = L U` by partial pivoting. O(|alpha|^3). `false` when a pivot is zero or not finite.
-    pub fn lu(&mut self, a: Square<'_>, alpha: &[usize]) -> bool {
-        self.resize(alpha.len());
-        let (m, stride) = (self.m, self.stride);
-        for (r, &i) in alpha.iter().enumerate() {
-            let source = a.row(i);
-            let row = &mut self.rows[r * stride..(r + 1) * stride];
-            for (x, &j) in row.iter_mut().zip(alpha) {
-                *x = source[j];
-            }
-        }
-        self.exchanged.clear();
-        let mut k = 0;
-        while k < m {
-            let end = (k + PANEL).min(m);
-            if !lu_panel(&mut self.rows, stride, m, (k, end), &mut self.exchanged) {
-                return false;
-            }
-            let (above, below) = self.rows.split_at_mut(end * stride);
-            for (i, row) in below.chunks_exact(stride).take(m - end).enumerate() {
-                for (p, x) in row[k..end].iter().enumerate() {
-                    self.panel[p * stride + i] = -x;
-                }
-            }
-            if end < m {
-                let left = Window { numbers: &self.panel, stride };
-                let right = Window { numbers: &above[k * stride + end..], stride };
-                add_products(&mut below[end..], stride, (m - end, m - end, end - k), left, right);
-            }
-            k = end;
-        }
-        true
-    }
-
     fn resize(&mut self, m: usize) {
         self.m = m;
         // Rows a power of two apart would share the same few sets of the cache.
@@ -262,17 +225,7 @@ impl BlockFactor {
     /// Replaces `b` by the solution. O(m^2).
     pub fn solve(&self, b: &mut [f64]) {
         debug_assert!(b.len() == self.m);
-        if self.exchanged.is_empty() {
-            solve_transposed(&self.rows, self.stride, b);
-        } else {
-            for (k, &i) in self.exchanged.iter().enumerate() {
-                b.swap(k, i);
-            }
-            for k in 1..self.m {
-                let (solved, rest) = b.split_at_mut(k);
-                rest[0] -= dot(&self.row(k)[..k], solved);
-            }
-        }
+        solve_transposed(&self.rows, self.stride, b);
         solve_upper(&self.rows, self.stride, b);
     }
 }
@@ -335,57 +288,6 @@ fn pivoted_row(rows: &mut [f64], stride: usize, m: usize, (start, k): (usize, us
     }
 }
 
-/// Columns `k..end` of L, and the rows `k..end` of U.
-#[multiversion(targets("x86_64+avx512f", "x86_64+avx2+fma", "aarch64+neon"))]
-fn lu_panel(
-    rows: &mut [f64],
-    stride: usize,
-    m: usize,
-    (start, end): (usize, usize),
-    exchanged: &mut Vec<usize>,
-) -> bool {
-    for k in start..end {
-        let (mut pivot_row, mut largest) = (k, 0.0);
-        for i in k..m {
-            let size = rows[i * stride + k].abs();
-            if size > largest {
-                (pivot_row, largest) = (i, size);
-            }
-        }
-        if !(largest > 0.0 && largest < f64::INFINITY) {
-            return false;
-        }
-        exchanged.push(pivot_row);
-        if pivot_row != k {
-            let (a, b) = rows.split_at_mut(pivot_row * stride);
-            a[k * stride..(k + 1) * stride].swap_with_slice(&mut b[..stride]);
-        }
-        // The panel's part of row k right of the diagonal, as one vector.
-        let mut u = [0.0; PANEL];
-        u[k + 1 - start..end - start].copy_from_slice(&rows[k * stride + k + 1..k * stride + end]);
-        let inverse = 1.0 / rows[k * stride + k];
-        for row in rows[(k + 1) * stride..m * stride].chunks_exact_mut(stride) {
-            let factor = row[k] * inverse;
-            let part = &mut row[start..start + PANEL];
-            for l in 0..PANEL {
-                part[l] -= factor * u[l];
-            }
-            row[k] = factor;
-        }
-    }
-    for k in start..end {
-        let (row, below) = rows[k * stride..].split_at_mut(stride);
-        for i in k + 1..end {
-            let target = &mut below[(i - k - 1) * stride..][..m];
-            let f = target[k];
-            for (y, x) in target[end..].iter_mut().zip(&row[end..m]) {
-                *y -= f * x;
-            }
-        }
-    }
-    true
-}
-
 /// `R' y = b` in place, row by row of R.
 #[multiversion(targets("x86_64+avx512f", "x86_64+avx2+fma", "aarch64+neon"))]
 fn solve_transposed(rows: &[f64], stride: usize, b: &mut [f64]) {
@@ -424,34 +326,27 @@ fn solve_upper(rows: &[f64], stride: usize, b: &mut [f64]) {
 mod tests {
     use super::*;
 
-    /// Diagonally dominant; symmetric where asked.
-    fn problem(n: usize, symmetric: bool) -> Vec<f64> {
+    /// Symmetric and diagonally dominant.
+    fn problem(n: usize) -> Vec<f64> {
         let number = |i: usize, j: usize| (((i * 31 + j * 17) * 7919 % 101) as f64) / 50.0 - 1.0;
-        let entry = |i: usize, j: usize| if symmetric { number(i.min(j), i.max(j)) } else { number(i, j) };
+        let entry = |i: usize, j: usize| number(i.min(j), i.max(j));
         (0..n * n).map(|k| entry(k / n, k % n) + if k % (n + 1) == 0 { n as f64 } else { 0.0 }).collect()
     }
 
     #[test]
-    fn both_factors_solve_at_every_order_with_the_memory_of_the_last() {
+    fn factors_solve_at_every_order_with_the_memory_of_the_last() {
         let mut factor = BlockFactor::default();
         for n in [70, 1, 2, 7, 8, 9, 16, 24, 33, 61, 0] {
-            for symmetric in [true, false] {
-                let entries = problem(n + 3, symmetric);
-                let a = Square { n: n + 3, entries: &entries };
-                let alpha: Vec<usize> = (0..n).map(|i| if i % 2 == 0 { i } else { i + 2 }).take(n).collect();
-                let x: Vec<f64> = (0..n).map(|i| 1.0 + i as f64 / 7.0).collect();
-                let image = |r: usize| alpha.iter().zip(&x).map(|(&j, x)| a.row(alpha[r])[j] * x).sum::<f64>();
-                for cholesky in [true, false] {
-                    let mut b: Vec<f64> = (0..n).map(image).collect();
-                    if cholesky && !symmetric {
-                        continue;
-                    }
-                    assert!(if cholesky { factor.cholesky(a, &alpha, 0.0, 1e-13) } else { factor.lu(a, &alpha) });
-                    factor.solve(&mut b);
-                    let error = b.iter().zip(&x).map(|(b, x)| (b - x).abs()).fold(0.0, f64::max);
-                    assert!(error < 1e-12, "{n} {symmetric} {cholesky}: {error}");
-                }
-            }
+            let entries = problem(n + 3);
+            let a = Square { n: n + 3, entries: &entries };
+            let alpha: Vec<usize> = (0..n).map(|i| if i % 2 == 0 { i } else { i + 2 }).take(n).collect();
+            let x: Vec<f64> = (0..n).map(|i| 1.0 + i as f64 / 7.0).collect();
+            let image = |r: usize| alpha.iter().zip(&x).map(|(&j, x)| a.row(alpha[r])[j] * x).sum::<f64>();
+            let mut b: Vec<f64> = (0..n).map(image).collect();
+            assert!(factor.cholesky(a, &alpha, 0.0, 1e-13));
+            factor.solve(&mut b);
+            let error = b.iter().zip(&x).map(|(b, x)| (b - x).abs()).fold(0.0, f64::max);
+            assert!(error < 1e-12, "{n}: {error}");
         }
     }
 
@@ -498,11 +393,9 @@ mod tests {
         let a = Square { n: 3, entries: &[1.0; 9] };
         assert!(!factor.cholesky(a, &[0, 2], 0.0, 1e-12));
         assert!(factor.cholesky(a, &[0, 2], 1e-6, 1e-12));
-        assert!(!factor.lu(a, &[0, 2]));
         let a = Square { n: 2, entries: &[1.0, 2.0, 2.0, 1.0] };
         assert!(!factor.cholesky(a, &[0, 1], 0.0, 1e-12));
         assert!(factor.cholesky_pivoted(a, &mut [0, 1], &[1.0; 2], 1e-12).is_none());
-        assert!(factor.lu(a, &[0, 1]));
         let d = [3.0, 1.0];
         assert!(factor.cholesky_shifted(a.entries, &d));
         let mut b = [4.0 * 1.0 + 2.0 * 5.0, 2.0 * 1.0 + 2.0 * 5.0];

@@ -1,14 +1,13 @@
 //! `A + diag(d)` factored again and again for the same dense A and changing `d > 0`, without allocating.
 
+use super::lu::InPlaceLu;
 use crate::blocked::BlockFactor;
 use crate::kernels;
 use faer::diag::DiagRef;
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::ldlt::{self, factor::LdltRegularization};
 use faer::linalg::cholesky::llt::{self, factor::LltRegularization};
-use faer::linalg::lu::partial_pivoting as lu;
-use faer::perm::PermRef;
-use faer::{Conj, MatMut, MatRef, Par, Spec};
+use faer::{MatMut, Par, Spec};
 
 /// What the factorisation can use of A.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -91,11 +90,9 @@ pub struct ShiftedFactor {
     pivoted: bool,
     /// Cholesky below the order [`LIBRARY_FROM`].
     own: BlockFactor,
-    /// Column-major; of a general A the transpose, so that rows are copied to columns.
-    factor: Vec<f64>,
+    /// The factors, of LU or not.
+    lu: InPlaceLu,
     scale: Vec<f64>,
-    forward: Vec<usize>,
-    backward: Vec<usize>,
     memory: MemBuffer,
 }
 
@@ -111,17 +108,16 @@ impl ShiftedFactor {
     pub fn new(n: usize, structure: Structure) -> Self {
         let scratch = llt::factor::cholesky_in_place_scratch::<f64>(n, Par::Seq, Spec::default())
             .or(ldlt::factor::cholesky_in_place_scratch::<f64>(n, Par::Seq, Spec::default()))
-            .or(lu::factor::lu_in_place_scratch::<usize, f64>(n, n, Par::Seq, Spec::default()))
-            .or(lu::solve::solve_transpose_in_place_scratch::<usize, f64>(n, 1, Par::Seq));
+            .or(InPlaceLu::scratch(n, 1));
+        let mut lu = InPlaceLu::default();
+        lu.rows(n);
         Self {
             n,
             structure,
             pivoted: false,
             own: BlockFactor::default(),
-            factor: vec![0.0; n * n],
+            lu,
             scale: vec![0.0; n],
-            forward: vec![0; n],
-            backward: vec![0; n],
             memory: MemBuffer::new(scratch),
         }
     }
@@ -155,7 +151,7 @@ impl ShiftedFactor {
         }
         self.load(a, d);
         let n = self.n;
-        let matrix = MatMut::from_column_major_slice_mut(&mut self.factor, n, n);
+        let matrix = MatMut::from_column_major_slice_mut(self.lu.rows(n), n, n);
         let stack = MemStack::new(&mut self.memory);
         match &self.structure {
             Structure::Symmetric => {
@@ -179,11 +175,7 @@ impl ShiftedFactor {
     pub fn factor_pivoted(&mut self, a: &[f64], d: &[f64]) -> bool {
         self.pivoted = true;
         self.load(a, d);
-        let n = self.n;
-        let matrix = MatMut::from_column_major_slice_mut(&mut self.factor, n, n);
-        let stack = MemStack::new(&mut self.memory);
-        lu::factor::lu_in_place(matrix, &mut self.forward, &mut self.backward, Par::Seq, stack, Spec::default());
-        (0..n).all(|i| super::is_pivot(self.factor[i * n + i]))
+        self.lu.factor(MemStack::new(&mut self.memory))
     }
 
     /// `S (A + D) S`, with rows times their signs for LDL'. Row i of A becomes column i: the transpose for LU.
@@ -192,6 +184,7 @@ impl ShiftedFactor {
         for (s, d) in self.scale.iter_mut().zip(d) {
             *s = 1.0 / (1.0 + d).sqrt();
         }
+        let factor = self.lu.rows(n);
         let lower_only = !self.pivoted && self.structure == Structure::Symmetric;
         for i in 0..n {
             let mut s = self.scale[i];
@@ -199,7 +192,7 @@ impl ShiftedFactor {
                 s *= f64::from(signs[i]);
             }
             let first = if lower_only { i } else { 0 };
-            let (row, column) = (&a[i * n + first..(i + 1) * n], &mut self.factor[i * n + first..(i + 1) * n]);
+            let (row, column) = (&a[i * n + first..(i + 1) * n], &mut factor[i * n + first..(i + 1) * n]);
             for ((c, x), t) in column.iter_mut().zip(row).zip(&self.scale[first..]) {
                 *c = s * x * t;
             }
@@ -217,32 +210,19 @@ impl ShiftedFactor {
             *x *= s;
         }
         let stack = MemStack::new(&mut self.memory);
-        let factor = MatRef::from_column_major_slice(&self.factor, n, n);
         match &self.structure {
-            _ if self.pivoted => {
-                let rhs = MatMut::from_column_major_slice_mut(&mut *x, n, 1);
-                let permutation = PermRef::new_checked(&self.forward, &self.backward, n);
-                lu::solve::solve_transpose_in_place_with_conj(
-                    factor,
-                    factor,
-                    permutation,
-                    Conj::No,
-                    rhs,
-                    Par::Seq,
-                    stack,
-                );
-            }
+            _ if self.pivoted => self.lu.solve(MatMut::from_column_major_slice_mut(&mut *x, n, 1), stack),
             Structure::Symmetric => {
                 let rhs = MatMut::from_column_major_slice_mut(&mut *x, n, 1);
-                llt::solve::solve_in_place(factor, rhs, Par::Seq, stack);
+                llt::solve::solve_in_place(self.lu.factors(), rhs, Par::Seq, stack);
             }
             Structure::SignSymmetric(signs) => {
                 for (x, &s) in x.iter_mut().zip(signs) {
                     *x *= f64::from(s);
                 }
                 let rhs = MatMut::from_column_major_slice_mut(&mut *x, n, 1);
-                let diagonal: DiagRef<'_, f64> = factor.diagonal();
-                ldlt::solve::solve_in_place(factor, diagonal, rhs, Par::Seq, stack);
+                let diagonal: DiagRef<'_, f64> = self.lu.factors().diagonal();
+                ldlt::solve::solve_in_place(self.lu.factors(), diagonal, rhs, Par::Seq, stack);
             }
             Structure::General => {}
         }

@@ -16,23 +16,27 @@ pub fn principal_block(lcp: &Lcp, alpha: &[usize]) -> Vec<f64> {
     block
 }
 
-/// A factorisation of `A[alpha, alpha]`, by the kernels of this crate or by a library, whichever is the faster.
+/// A factorisation of `A[alpha, alpha]`, in memory that is used again.
 #[derive(Default)]
 pub struct Block {
     alpha: Vec<usize>,
-    own: BlockFactor,
-    /// Instead of `own`.
-    library: Option<Library>,
+    cholesky: BlockFactor,
+    lu: DenseLu,
+    held: Held,
     /// Scratch.
     step: Vec<f64>,
 }
 
-enum Library {
-    Cholesky(DenseCholesky),
-    Lu(DenseLu),
+/// Where the factors are.
+#[derive(Default)]
+enum Held {
+    #[default]
+    Cholesky,
+    Lu,
+    Library(DenseCholesky),
 }
 
-/// Order from which a library factors: its loops also block for the second cache. Where that begins to pay depends on the machine, see
+/// Order from which a library factors by Cholesky: its loops also block for the second cache. Where that begins to pay depends on the machine, see
 /// `benches/record/backend.md`.
 const LIBRARY_FROM: usize = 600;
 /// A Cholesky pivot below `FLOOR |alpha|` of its diagonal entry is rounding error: the block is not positive definite.
@@ -46,26 +50,28 @@ const ACCURATE: f64 = 1e-12;
 impl Block {
     /// Factors the block of `alpha` by LU. O(|alpha|^3). `false` when it is singular.
     pub fn factor(&mut self, lcp: &Lcp, alpha: &[usize]) -> bool {
-        self.hold(alpha);
-        if alpha.len() < LIBRARY_FROM {
-            return self.own.lu(lcp.square(), alpha);
+        self.hold(alpha, Held::Lu);
+        let m = alpha.len();
+        for (target, &i) in self.lu.rows(m).chunks_exact_mut(m.max(1)).zip(alpha) {
+            let row = lcp.row(i);
+            target.iter_mut().zip(alpha).for_each(|(x, &j)| *x = row[j]);
         }
-        self.library = DenseLu::new(alpha.len(), &principal_block(lcp, alpha)).map(Library::Lu);
-        self.library.is_some()
+        self.lu.factor(m)
     }
 
     /// Factors `A[alpha, alpha] + shift I` by Cholesky, for symmetric A. O(|alpha|^3). `false` when it is not positive
     /// definite to rounding.
     pub fn factor_symmetric(&mut self, lcp: &Lcp, alpha: &[usize], shift: f64) -> bool {
-        self.hold(alpha);
+        self.hold(alpha, Held::Cholesky);
         let m = alpha.len();
         if m < LIBRARY_FROM {
-            return self.own.cholesky(lcp.square(), alpha, shift, FLOOR * m as f64);
+            return self.cholesky.cholesky(lcp.square(), alpha, shift, FLOOR * m as f64);
         }
         let mut block = principal_block(lcp, alpha);
         block.iter_mut().step_by(m + 1).for_each(|x| *x += shift);
-        self.library = DenseCholesky::new(m, &block).map(Library::Cholesky);
-        self.library.is_some()
+        let Some(factor) = DenseCholesky::new(m, &block) else { return false };
+        self.held = Held::Library(factor);
+        true
     }
 
     /// Factors the block of the independent indices of `alpha`, for symmetric positive semidefinite A, and puts them first, as
@@ -77,29 +83,29 @@ impl Block {
         weights: &[f64],
         floor: f64,
     ) -> Option<usize> {
-        let rank = self.own.cholesky_pivoted(lcp.square(), alpha, weights, floor)?;
-        self.hold(&alpha[..rank]);
+        let rank = self.cholesky.cholesky_pivoted(lcp.square(), alpha, weights, floor)?;
+        self.hold(&alpha[..rank], Held::Cholesky);
         Some(rank)
     }
 
     /// What [`factor_semidefinite`](Self::factor_semidefinite) left.
     #[must_use]
     pub fn factors(&self) -> &BlockFactor {
-        &self.own
+        &self.cholesky
     }
 
-    fn hold(&mut self, alpha: &[usize]) {
+    fn hold(&mut self, alpha: &[usize], held: Held) {
         self.alpha.clear();
         self.alpha.extend_from_slice(alpha);
         self.step.resize(alpha.len(), 0.0);
-        self.library = None;
+        self.held = held;
     }
 
     fn solve_step(&mut self) {
-        match &self.library {
-            None => self.own.solve(&mut self.step),
-            Some(Library::Cholesky(factor)) => self.step = factor.solve(&self.step),
-            Some(Library::Lu(factor)) => self.step = factor.solve(&self.step),
+        match &self.held {
+            Held::Cholesky => self.cholesky.solve(&mut self.step),
+            Held::Lu => self.step = self.lu.solve(&self.step),
+            Held::Library(factor) => self.step = factor.solve(&self.step),
         }
     }
 
