@@ -6,9 +6,9 @@ use multiversion::target::target_cfg_f;
 
 /// A window of a row-major matrix: row i is `numbers[i * stride..]`.
 #[derive(Clone, Copy)]
-pub struct Window<'a> {
+pub struct Window<'a, T = f64> {
     /// From the first number of the window on.
-    pub numbers: &'a [f64],
+    pub numbers: &'a [T],
     /// Distance of its rows.
     pub stride: usize,
 }

@@ -7,7 +7,7 @@
 //! (PSD, copositive plus, row sufficient, the paper's tilde class), P0 and Q0, or Z, a ray means FEA(q, A) is empty.
 
 use crate::control::Control;
-use crate::pivoting::{Dictionary, Entering, Real, Tableau, Var, basis};
+use crate::pivoting::{Dictionary, Entering, Real, Var, basis};
 use crate::problem::Lcp;
 use crate::solution::{Candidate, Ray};
 use crate::status::Termination;
@@ -35,7 +35,7 @@ pub fn lemke<T: Real>(lcp: &Lcp, settings: &Settings, control: &Control<'_>) -> 
     }
     let ones = vec![1.0; n];
     let d = settings.d.as_deref().unwrap_or(&ones);
-    let mut dictionary = T::Path::of(lcp, d);
+    let mut dictionary = Dictionary::<T>::delayed(lcp, d);
     let (termination, iterations, driving) = follow_path(&mut dictionary, control, default_limit(n));
     let (z, z0) = dictionary.point();
     let alpha = dictionary.basic_z();
@@ -92,8 +92,8 @@ pub fn lemke_from<T: Real>(lcp: &Lcp, alpha: &[usize], control: &Control<'_>) ->
 }
 
 /// The path from the first pivot to its end. Returns how it ended, the pivots, and the driving column of a ray.
-fn follow_path(
-    dictionary: &mut impl Tableau,
+fn follow_path<T: Real>(
+    dictionary: &mut Dictionary<T>,
     control: &Control<'_>,
     default_limit: usize,
 ) -> (Termination, usize, Option<usize>) {

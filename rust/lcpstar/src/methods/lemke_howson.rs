@@ -4,7 +4,7 @@
 //! `C` and `D'`; every covering vector d > 0 sends Lemke's method to a ray there, so the game's own path is followed.
 
 use crate::control::Control;
-use crate::pivoting::{DelayedDictionary, Entering, Tableau, Var, basis};
+use crate::pivoting::{Dictionary, Entering, Var, basis};
 use crate::problem::Lcp;
 use crate::solution::Candidate;
 use crate::status::Termination;
@@ -51,7 +51,7 @@ pub fn lemke_howson(lcp: &Lcp, settings: &Settings, control: &Control<'_>) -> Ca
         if let Some(reason) = control.stop(iterations, super::lemke::default_limit(n)) {
             break reason;
         }
-        let column = |player: &DelayedDictionary| player.column_of(driving);
+        let column = |player: &Dictionary<f64>| player.column_of(driving);
         let Some((player, s)) = players.iter_mut().find_map(|player| column(player).map(|s| (player, s))) else {
             break Termination::Breakdown("the driving variable is not nonbasic");
         };
@@ -77,7 +77,7 @@ pub fn lemke_howson(lcp: &Lcp, settings: &Settings, control: &Control<'_>) -> Ca
 
 /// `v = 1 - (K - c) u`, the game in payoffs: the rows of either player, who answers the strategies of the other. Nothing
 /// else couples the two, so that a pivot concerns one of them.
-fn payoff_form(lcp: &Lcp, m: usize) -> [DelayedDictionary; 2] {
+fn payoff_form(lcp: &Lcp, m: usize) -> [Dictionary<f64>; 2] {
     let n = lcp.n();
     let cost = |i: usize, j: usize| lcp.row(i)[j] / -lcp.q()[i];
     let sides = [(0..m, m..n), (m..n, 0..m)];
@@ -87,7 +87,7 @@ fn payoff_form(lcp: &Lcp, m: usize) -> [DelayedDictionary; 2] {
     sides.map(|(own, others)| {
         let basic = own.clone().map(|i| (Var::W(i), 1.0)).collect();
         let entry = |r: usize, c: usize| cost(own.start + r, others.start + c) / constant - 1.0;
-        DelayedDictionary::new(n, basic, others.clone().map(Var::Z).collect(), entry)
+        Dictionary::with_rows(n, basic, others.clone().map(Var::Z).collect(), entry)
     })
 }
 

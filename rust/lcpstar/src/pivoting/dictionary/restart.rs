@@ -75,19 +75,22 @@ impl<T: Real> Dictionary<T> {
             Var::W(i) | Var::Z(i) => i,
             Var::Z0 => usize::MAX,
         };
-        let largest = (0..self.n).map(|r| self.value(r).to_f64().abs()).fold(0.0, f64::max);
-        for r in 0..self.n {
+        let largest = T::largest(&self.values);
+        let n = self.basic.len();
+        for r in 0..n {
             let i = pair(self.basic[r]);
             self.basic[r] = Var::W(i);
-            self.slack[i] = Place::Row(r);
+            self.places[0][i] = Place::Row(r);
             let value = self.value(r);
             if value.to_f64().abs() <= ZERO * T::EPSILON * largest {
-                self.rows[r * self.width] = T::from(0.0);
+                self.values[r] = T::from(0.0);
             }
-            self.rows[r * self.width + 1 + self.n] = T::from(d(value.to_f64()));
+            self.base[r * self.width + n] = T::from(d(value.to_f64()));
         }
-        for s in 0..self.n {
-            self.nonbasic[s] = Var::Z(pair(self.nonbasic[s]));
+        for s in 0..n {
+            let i = pair(self.nonbasic[s]);
+            self.nonbasic[s] = Var::Z(i);
+            self.places[1][i] = Place::Column(s);
         }
     }
 }
