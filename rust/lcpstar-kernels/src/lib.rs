@@ -4,4 +4,5 @@
 
 pub mod batch;
 pub mod member;
+pub mod pivots;
 pub mod small;

@@ -9,10 +9,11 @@
 //! Labels are signed numbers: `j + 1` for w_j, `-(j + 1)` for z_j, 0 for z_0; minus a label is its complement.
 
 use super::newton::{Tile, multiply};
+use lcpstar_kernels::pivots::SPREAD;
 use crate::small::covering::spread;
 use crate::small::lane::{Lane, Mask};
 use crate::small::lemke::{CANCELLED, ROUNDING};
-use crate::small::ratio::{PIVOT_TOLERANCE, TIE};
+use crate::small::ratio::TIE;
 use crate::small::tableau::NOISE;
 
 /// Memory for [`Pivots::solve`].
@@ -222,7 +223,7 @@ impl<X: Lane> Pivots<X> {
             largest[i % 4] = c.abs().max(largest[i % 4]);
         }
         let largest = largest[0].max(largest[1]).max(largest[2].max(largest[3]));
-        let tolerance = largest.mul(X::splat(PIVOT_TOLERANCE));
+        let tolerance = largest.mul(X::splat(SPREAD));
         // Least ratios as fractions, infinity at first, compared without dividing; four searches side by side.
         let mut least = [Ratio { over: X::splat(1.0), under: zero }; 4];
         for i in 0..n {

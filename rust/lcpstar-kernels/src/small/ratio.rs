@@ -2,9 +2,7 @@
 
 use super::lane::{Lane, Mask};
 use super::tableau::{WIDTH, at};
-
-/// Smallest pivot relative to the largest entry of the driving column.
-pub const PIVOT_TOLERANCE: f64 = 1e-10;
+use crate::pivots::SPREAD;
 
 /// Ratios within this factor of the least one are tied.
 pub const TIE: f64 = 1.0 + 1e-11;
@@ -47,7 +45,7 @@ pub fn first_to_reach_zero<X: Lane>(
         row = if tied == 0 { row } else { block * WIDTH + tied.trailing_zeros() as usize };
         rows += u32::from(tied != 0) + u32::from(tied & tied.wrapping_sub(1) != 0);
     }
-    let tolerance = -PIVOT_TOLERANCE * largest.largest();
+    let tolerance = -SPREAD * largest.largest();
     if rows == 1 && at(column, row) < tolerance {
         return Some(row);
     }
@@ -111,7 +109,7 @@ mod tests {
 
     /// The rule as it is said.
     fn plain(column: &[f64], value: &[f64], favoured: Option<usize>) -> Option<usize> {
-        let tolerance = PIVOT_TOLERANCE * column.iter().fold(0.0_f64, |m, c| m.max(c.abs()));
+        let tolerance = SPREAD * column.iter().fold(0.0_f64, |m, c| m.max(c.abs()));
         let ratio = |i: usize| value[i].max(0.0) / -column[i];
         let rows: Vec<usize> = (0..column.len()).filter(|&i| -column[i] > tolerance).collect();
         let least = rows.iter().map(|&i| ratio(i)).min_by(f64::total_cmp)?;

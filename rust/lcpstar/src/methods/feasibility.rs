@@ -10,6 +10,7 @@ use crate::control::Control;
 use crate::exact::feasibility::costs;
 use crate::linalg::backend::DenseLu;
 use crate::linalg::kernels::axpy;
+use lcpstar_kernels::pivots::SPREAD;
 use crate::problem::Lcp;
 use crate::status::Termination;
 
@@ -39,8 +40,6 @@ pub enum Verdict {
 
 /// Pivots between two fresh factorisations.
 const REFRESH: usize = 60;
-/// Relative to the largest entry of the row.
-const TOL_PIVOT: f64 = 1e-9;
 /// Slack of the ratio test in units of the costs.
 const TOL_COST: f64 = 1e-9;
 
@@ -125,7 +124,7 @@ impl<'a> Simplex<'a> {
         let n = self.lcp.n();
         let row = &self.row(r)[..n];
         let cost = &self.row(n)[..n];
-        let smallest = TOL_PIVOT * row.iter().fold(0.0f64, |m, x| m.max(x.abs()));
+        let smallest = SPREAD * row.iter().fold(0.0f64, |m, x| m.max(x.abs()));
         let candidates = || (0..n).filter(|&j| row[j] > smallest);
         let bound = candidates().map(|j| (cost[j].max(0.0) + TOL_COST) / row[j]).min_by(f64::total_cmp)?;
         candidates().filter(|&j| cost[j].max(0.0) <= bound * row[j]).max_by(|&i, &j| row[i].total_cmp(&row[j]))

@@ -6,6 +6,7 @@
 
 use crate::linalg::backend::RowSpace;
 use crate::linalg::kernels::{axpy, dot, max_abs};
+use lcpstar_kernels::pivots::ORDERED;
 use crate::pivoting::basis::basic_point;
 use crate::pivoting::semidefinite::semidefinite;
 use crate::problem::Lcp;
@@ -230,7 +231,7 @@ fn first_hit(values: &[f64], v: &[f64]) -> Option<(usize, f64)> {
     let size = v.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
     let mut hit: Option<(usize, f64)> = None;
     for (i, (&x, &d)) in values.iter().zip(v).enumerate() {
-        if d.abs() > 1e-11 * size {
+        if d.abs() > ORDERED * size {
             let step = -x.max(0.0) / d;
             if hit.is_none_or(|(_, best)| step.abs() < best.abs()) {
                 hit = Some((i, step));

@@ -1,6 +1,7 @@
 //! The ratio test, and what it takes for zero and for equal.
 
 use super::{Dictionary, Place};
+use lcpstar_kernels::pivots::ORDERED;
 use crate::pivoting::real::Real;
 use crate::pivoting::Var;
 
@@ -12,10 +13,6 @@ pub enum Entering {
     /// Down from plus infinity: `z_0` in Lemke's first pivot, stopped by the last row to become negative.
     Descending,
 }
-
-/// A coefficient below `PIVOT max|column|` does not decrease, in doubles; scaled by the ratio of the rounding errors in other
-/// arithmetic. Ties are broken by the lexicographic order, which may ask for any pivot: so it is not far above the rounding errors of n pivots.
-const PIVOT: f64 = 1e-11;
 
 /// An entry larger than this, relative to 1 and to the entries that tie, is taken for growth and not for the column's scale.
 const LARGEST: f64 = 1e6;
@@ -29,7 +26,7 @@ impl<T: Real> Dictionary<T> {
     /// The row that blocks column `s`: the lexicographic minimum of `(q_bar_r, (B^-1)_r) / -T_rs` over the rows that
     /// decrease; among rows that tie in the first component, the one holding `z_0` wins. `None`: a ray. [CPS92, 4.9]
     ///
-    /// Rounding is kept out of both decisions: a coefficient below [`PIVOT`] does not decrease, and numbers that agree to
+    /// Rounding is kept out of both decisions: a coefficient below [`ORDERED`] `max|T_s|` does not decrease, and numbers that agree to
     /// [`tie_tolerance`] tie. O(n), plus O(n) for each component needed to break a tie.
     pub fn blocking_row(&mut self, s: usize, entering: Entering) -> Option<usize> {
         let mut column = std::mem::take(&mut self.column);
@@ -57,7 +54,7 @@ impl<T: Real> Dictionary<T> {
         tied: &mut Vec<usize>,
     ) -> Option<usize> {
         let (column, values, n) = (&self.column, &self.values, self.basic.len());
-        let tol_pivot = PIVOT * (T::EPSILON / f64::EPSILON) * T::largest(column);
+        let tol_pivot = ORDERED * (T::EPSILON / f64::EPSILON) * T::largest(column);
         let minimum = T::ratios(values, column, sign, tol_pivot, ratios);
         if minimum.to_f64() == f64::INFINITY {
             return None;
