@@ -1,10 +1,63 @@
-//! Hensel lifting of one solution: its digits in base p, and the rational numbers they belong to.
+//! Solves with a factored block by Hensel lifting: the digits of the solution in base p, and the rational numbers they belong to.
 
-use super::padic::{Block, LIMB, LIMB_MASK, SLACK};
+use super::dyadic::{RationalVec, Scaled};
+use super::padic::{Block, LIMB, LIMB_MASK, SLACK, Unsolved};
 use super::reconstruct;
 use num_bigint::BigInt;
 use num_integer::Integer;
-use num_traits::Zero;
+use num_traits::{One, Zero};
+
+impl Block {
+    /// Solves `K x = b` exactly.
+    ///
+    /// # Errors
+    /// `Interrupted`.
+    pub fn solve(&self, rhs: &[Scaled], stop: &dyn Fn() -> bool) -> Result<RationalVec, Unsolved> {
+        debug_assert_eq!(rhs.len(), self.order);
+        let (integers, rhs_exponent) = self.scale_rhs(rhs);
+        let rhs_bits = integers.iter().map(BigInt::bits).max().unwrap_or(0);
+        if rhs_bits == 0 {
+            return Ok(RationalVec { numerators: vec![BigInt::zero(); self.order], denominator: BigInt::one() });
+        }
+        let log_order = u64::from(usize::BITS - self.order.leading_zeros());
+        // Numerator and denominator of a positive combination (weights below 2^20), and the telling quotient.
+        let enough = 2 * self.determinant_bits + rhs_bits + log_order + 20 + 48;
+        let last_step = enough as usize / 58 + 2;
+        let mut lift = Lift::new(self, &integers, rhs_bits);
+        let mut attempt_at = 4usize;
+        loop {
+            let near_the_end = lift.digits.len() < last_step && attempt_at * 5 > last_step * 4;
+            let steps = if near_the_end { last_step } else { attempt_at };
+            while lift.digits.len() < steps {
+                if stop() {
+                    return Err(Unsolved::Interrupted);
+                }
+                lift.step();
+            }
+            if let Some((numerators, denominator)) = lift.reconstruct(rhs_bits) {
+                let v = numerators
+                    .into_iter()
+                    .zip(&self.column_exponent)
+                    .map(|(value, &c)| Scaled { value, exponent: c - rhs_exponent })
+                    .collect();
+                return Ok(RationalVec::from_scaled(v, denominator));
+            }
+            // Beyond Hadamard's bound success is certain but for an unlucky combination: go on with more digits.
+            attempt_at = if steps >= last_step { steps + steps / 4 + 4 } else { steps + steps / 2 };
+        }
+    }
+
+    /// `b' = 2^s R b` in integers, and `s`.
+    fn scale_rhs(&self, rhs: &[Scaled]) -> (Vec<BigInt>, i64) {
+        let used = rhs.iter().zip(&self.row_exponent).filter(|(b, _)| !b.value.is_zero());
+        let s = -used.map(|(b, r)| b.exponent + r).min().unwrap_or(0);
+        let integers = rhs
+            .iter()
+            .zip(&self.row_exponent)
+            .map(|(b, r)| if b.value.is_zero() { BigInt::zero() } else { &b.value << (b.exponent + r + s) });
+        (integers.collect(), s)
+    }
+}
 
 /// The digits found so far and the exact residual `b' - K' x'`, divided by `p^digits`.
 pub(super) struct Lift<'a> {

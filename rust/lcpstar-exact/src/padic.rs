@@ -5,11 +5,8 @@
 //! from enough digits. Cost: k^3/3 word operations for the factors, about 4 k^2 for each of the (2 log det K') / 59
 //! digits. [Dixon, Numer. Math. 40 (1982)]
 
-use super::dyadic::{Dyadic, RationalVec, Scaled};
-use super::lift::Lift;
+use super::dyadic::Dyadic;
 use super::modular::{ModularLu, PRIMES, Prime, independent};
-use num_bigint::BigInt;
-use num_traits::{One, Zero};
 
 /// Bits of one limb of a matrix entry or residual. A 53-bit mantissa at any offset touches two limbs, and
 /// 2^15 products of a limb and a digit fit in an `i128`.
@@ -40,12 +37,12 @@ pub(super) struct Plane {
 #[derive(Clone, Debug)]
 pub struct Block {
     pub(super) order: usize,
-    row_exponent: Vec<i64>,
-    column_exponent: Vec<i64>,
+    pub(super) row_exponent: Vec<i64>,
+    pub(super) column_exponent: Vec<i64>,
     pub(super) planes: Vec<Plane>,
     /// log2 of the largest entry, and of Hadamard's bound of the determinant.
     pub(super) entry_bits: u64,
-    determinant_bits: u64,
+    pub(super) determinant_bits: u64,
     pub(super) prime: Prime,
     pub(super) lu: ModularLu,
 }
@@ -79,56 +76,6 @@ impl Block {
         let determinant_bits = row_bits.iter().map(|&b| b as u64 + log_order.div_ceil(2)).sum();
         let planes = planes(order, entry_bits, &entries, shift);
         Ok(Self { order, row_exponent, column_exponent, planes, entry_bits, determinant_bits, prime, lu })
-    }
-
-    /// Solves `K x = b` exactly.
-    ///
-    /// # Errors
-    /// `Interrupted`.
-    pub fn solve(&self, rhs: &[Scaled], stop: &dyn Fn() -> bool) -> Result<RationalVec, Unsolved> {
-        debug_assert_eq!(rhs.len(), self.order);
-        let (integers, rhs_exponent) = self.scale_rhs(rhs);
-        let rhs_bits = integers.iter().map(BigInt::bits).max().unwrap_or(0);
-        if rhs_bits == 0 {
-            return Ok(RationalVec { numerators: vec![BigInt::zero(); self.order], denominator: BigInt::one() });
-        }
-        let log_order = u64::from(usize::BITS - self.order.leading_zeros());
-        // Numerator and denominator of a positive combination (weights below 2^20), and the telling quotient.
-        let enough = 2 * self.determinant_bits + rhs_bits + log_order + 20 + 48;
-        let last_step = enough as usize / 58 + 2;
-        let mut lift = Lift::new(self, &integers, rhs_bits);
-        let mut attempt_at = 4usize;
-        loop {
-            let near_the_end = lift.digits.len() < last_step && attempt_at * 5 > last_step * 4;
-            let steps = if near_the_end { last_step } else { attempt_at };
-            while lift.digits.len() < steps {
-                if stop() {
-                    return Err(Unsolved::Interrupted);
-                }
-                lift.step();
-            }
-            if let Some((numerators, denominator)) = lift.reconstruct(rhs_bits) {
-                let v = numerators
-                    .into_iter()
-                    .zip(&self.column_exponent)
-                    .map(|(value, &c)| Scaled { value, exponent: c - rhs_exponent })
-                    .collect();
-                return Ok(RationalVec::from_scaled(v, denominator));
-            }
-            // Beyond Hadamard's bound success is certain but for an unlucky combination: go on with more digits.
-            attempt_at = if steps >= last_step { steps + steps / 4 + 4 } else { steps + steps / 2 };
-        }
-    }
-
-    /// `b' = 2^s R b` in integers, and `s`.
-    fn scale_rhs(&self, rhs: &[Scaled]) -> (Vec<BigInt>, i64) {
-        let used = rhs.iter().zip(&self.row_exponent).filter(|(b, _)| !b.value.is_zero());
-        let s = -used.map(|(b, r)| b.exponent + r).min().unwrap_or(0);
-        let integers = rhs
-            .iter()
-            .zip(&self.row_exponent)
-            .map(|(b, r)| if b.value.is_zero() { BigInt::zero() } else { &b.value << (b.exponent + r + s) });
-        (integers.collect(), s)
     }
 }
 
@@ -212,8 +159,10 @@ pub fn independent_rows_and_columns(
 
 #[cfg(test)]
 mod tests {
-    use super::super::dyadic::linear_form;
+    use super::super::dyadic::{Scaled, linear_form};
     use super::*;
+    use num_bigint::BigInt;
+    use num_traits::Zero;
 
     fn xorshift(state: &mut u64) -> f64 {
         *state ^= *state << 13;

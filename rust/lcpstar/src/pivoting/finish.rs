@@ -41,7 +41,7 @@ const DEGENERATE: f64 = 1e-7;
 /// O(n^3); a few factorisations.
 #[must_use]
 pub fn finish(lcp: &Lcp, z: &[f64], w: &[f64], symmetric: bool) -> Option<Finished> {
-    let mut best = if symmetric { semidefinite(lcp, z, w, EXCHANGES) } else { None };
+    let mut best = if symmetric { by_cholesky(lcp, z, w, EXCHANGES) } else { None };
     if best.as_ref().is_some_and(|found| found.residual <= ROUNDING) {
         return best;
     }
@@ -77,11 +77,16 @@ pub fn finish(lcp: &Lcp, z: &[f64], w: &[f64], symmetric: bool) -> Option<Finish
 #[must_use]
 pub fn finish_quickly(lcp: &Lcp, z: &[f64], w: &[f64], symmetric: bool) -> Option<Finished> {
     let found = if symmetric {
-        semidefinite(lcp, z, w, 2)
+        by_cholesky(lcp, z, w, 2)
     } else {
         exchange(lcp, (0..lcp.n()).filter(|&i| z[i] > w[i]).collect(), 2)
     };
     found.filter(|found| found.residual <= ROUNDING)
+}
+
+/// Measured, see [`semidefinite`].
+fn by_cholesky(lcp: &Lcp, z: &[f64], w: &[f64], rounds: usize) -> Option<Finished> {
+    semidefinite(lcp, z, w, rounds).map(|(z, alpha)| measured(lcp, z, alpha, true))
 }
 
 /// The basic point of `alpha`, then of the sets reached by exchanging every index with the wrong sign, while their
