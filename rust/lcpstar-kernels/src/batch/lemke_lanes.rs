@@ -9,7 +9,7 @@
 //! Labels are signed numbers: `j + 1` for w_j, `-(j + 1)` for z_j, 0 for z_0; minus a label is its complement.
 
 use super::newton::{Tile, multiply};
-use lcpstar_kernels::pivots::SPREAD;
+use crate::pivots::SPREAD;
 use crate::small::covering::spread;
 use crate::small::lane::{Lane, Mask};
 use crate::small::lemke::{CANCELLED, ROUNDING};

@@ -10,9 +10,9 @@ use crate::control::Control;
 use crate::exact::feasibility::costs;
 use crate::linalg::backend::DenseLu;
 use crate::linalg::kernels::axpy;
-use lcpstar_kernels::pivots::SPREAD;
 use crate::problem::Lcp;
 use crate::status::Termination;
+use lcpstar_kernels::pivots::SPREAD;
 
 /// Where the simplex method ended.
 #[derive(Clone, Debug)]

@@ -8,8 +8,8 @@
 mod ratio;
 mod restart;
 
-use super::real::Real;
 use super::Var;
+use super::real::Real;
 use crate::linalg::kernels::LANES;
 use crate::linalg::update::Window;
 use crate::problem::Lcp;

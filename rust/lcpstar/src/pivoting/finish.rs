@@ -6,11 +6,11 @@
 
 use crate::linalg::backend::RowSpace;
 use crate::linalg::kernels::{axpy, dot, max_abs};
-use lcpstar_kernels::pivots::ORDERED;
 use crate::pivoting::basis::basic_point;
 use crate::pivoting::semidefinite::semidefinite;
 use crate::problem::Lcp;
 use crate::residual::{equilibrated_residual, slack};
+use lcpstar_kernels::pivots::ORDERED;
 
 /// A finished point of the equilibrated problem.
 #[derive(Clone, Debug)]

@@ -1,9 +1,9 @@
 //! The ratio test, and what it takes for zero and for equal.
 
 use super::{Dictionary, Place};
-use lcpstar_kernels::pivots::ORDERED;
-use crate::pivoting::real::Real;
 use crate::pivoting::Var;
+use crate::pivoting::real::Real;
+use lcpstar_kernels::pivots::ORDERED;
 
 /// How the driving variable moves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
