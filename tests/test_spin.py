@@ -57,7 +57,7 @@ def test_a_thin_plate_keeps_turning():
 def test_a_symmetric_top_precesses():
     """In its own axes the spin goes around the axis of symmetry at `(I3 - I1) / I1 w3`; first order in dt."""
     errors = []
-    for dt in (2e-3, 1e-3):
+    for dt in (1e-2, 5e-3):
         top = Body(Box((0.3, 0.3, 0.1)), 1.0, (0, 0, 0), angular_velocity=(0.5, 0, 3.0))
         scene = Scene([top], (), gravity=(0, 0, 0))
         one, _, three = scene.inertia[0]
@@ -65,4 +65,4 @@ def test_a_symmetric_top_precesses():
         R = scenes.rotation.rotations(scene.orientation)[0]
         angle = (three - one) / one * 3.0
         errors.append(np.abs(R.T @ scene.angular_velocity[0] - [0.5 * np.cos(angle), 0.5 * np.sin(angle), 3.0]).max())
-    assert errors[1] < 0.6 * errors[0] < 6e-3
+    assert errors[1] < 0.6 * errors[0] < 3e-2

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from lcpstar import scenes
+from lcpstar import errors, scenes
 from lcpstar.scenes import Body, Box, Scene
 from scene_checks import kicked
 
@@ -132,6 +132,16 @@ def test_a_step_without_time_moves_on_and_says_so():
     assert len(history) == 60
     assert not history.solved.all()
     assert np.isfinite(scene.position).all()
+
+
+def test_a_state_that_is_not_finite_is_never_solved():
+    scene = Scene([Body(Box((0.1, 0.2, 0.3)), 1.0, (0, 0, 5), angular_velocity=(1e200, 1e199, 0))])
+    with np.errstate(all="ignore"):
+        assert not scenes.run(scene, 1).solved.any()
+    scene = scenes.box_stack(1)
+    scene.velocity[0, 2] = np.nan
+    with pytest.raises(errors.NotFiniteError, match=r"velocity must be finite, got velocity\[0, 2\] = nan"):
+        scenes.run(scene, 1)
 
 
 def test_history_has_an_array_for_every_number():

@@ -62,12 +62,13 @@ def close_joints(scene: Scene) -> tuple[Matrix, Matrix]:
     left with the smallest error found.
     """
     moved, turned = np.zeros((2, len(scene), 3))
-    if not scene.joints:
+    apart = _open(scene)
+    if not apart.any():
         return moved, turned
     bodies, _, _ = anchors(scene)
     home = np.append(islands(bodies, np.isfinite(scene.mass)), WORLD)
     of_joint = home[bodies].max(axis=1)
-    for island in np.unique(of_joint[_open(scene) & (of_joint >= 0)]):
+    for island in np.unique(of_joint[apart & (of_joint >= 0)]):
         own = np.flatnonzero(of_joint == island)
         which = np.unique(bodies[own])
         which = which[which >= 0]

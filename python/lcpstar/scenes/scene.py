@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..coerce import Matrix, Vector
-from ..errors import OptionError
+from ..errors import NotFiniteError, OptionError
 from .body import Body, Box, Polygon, Sphere, finite_vector, surface
 from .contact import WORLD, Indices
 from .rotation import dot, rotate_back, rotations
@@ -152,6 +152,14 @@ class Scene:
             raise OptionError(
                 f"gravity must lie in the x-z plane of a planar scene, got gravity[1] = {self.gravity[1]}"
             )
+
+    def check_finite(self) -> None:
+        """Raises NotFiniteError where the state is NaN or inf."""
+        for name in _STATE:
+            bad = np.argwhere(~np.isfinite(getattr(self, name)))
+            if len(bad):
+                k = tuple(bad[0].tolist())
+                raise NotFiniteError(f"{name} must be finite, got {name}{list(k)} = {getattr(self, name)[k]}")
 
     @property
     def dynamic(self) -> Indices:

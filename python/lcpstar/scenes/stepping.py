@@ -77,6 +77,7 @@ class Stepper:
         """One step: changes the scene's state and returns what happened. `contacts` and `islands` keep the problems."""
         start = time.perf_counter()
         scene, dt = self.scene, self.stepping.dt
+        scene.check_finite()
         close_joints(scene)  # what the caller has moved apart
         margin = margins(scene, dt)
         solve_seconds = 0.0
@@ -198,19 +199,20 @@ def _record(
     seconds: float,
 ) -> StepRecord:
     answers = [answer for _, answer in solved]
+    energy = scene.energy()
     return StepRecord(
         time=scene.time,
         rows=sum(len(island.q) for island, _ in solved),
         largest=max((len(island.q) for island, _ in solved), default=0),
         islands=len(solved),
         asleep=int(asleep.sum()),
-        solved=all(answer.success for answer in answers),
+        solved=all(answer.success for answer in answers) and bool(np.isfinite(energy)),
         methods=tuple(sorted({answer.method for answer in answers})),
         iterations=sum(answer.iterations for answer in answers),
         residual=max((answer.residual for answer in answers), default=0.0),
         natural_residual=max((answer.natural_residual for answer in answers), default=0.0),
         errors=errors,
-        energy=scene.energy(),
+        energy=energy,
         joint_error=float(joint_errors(scene).max(initial=0.0)),
         solve_seconds=solve_seconds,
         seconds=seconds,
@@ -268,6 +270,8 @@ def run(
     ------
     OptionError, UnknownNameError
         An option out of range.
+    NotFiniteError
+        The scene's state holds NaN or inf when a step begins.
 
     Notes
     -----
