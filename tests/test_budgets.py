@@ -68,6 +68,15 @@ def test_a_point_of_a_solution_set_is_looked_at_after_the_time_limit_of_the_set(
     assert found.local(found.faces[0].vertices[0]).stable
 
 
+def test_a_search_through_small_blocks_keeps_its_time_limit():
+    G = np.random.default_rng(0).normal(size=(16, 16))
+    for symbol in ("cE0s", "C0(1)", "C0f"):
+        start = time.perf_counter()
+        verdict = classes.check(G @ G.T, symbol, time_limit=0.3)
+        assert time.perf_counter() - start < 2  # half a second more, on a machine that has other work
+        assert verdict.holds is None
+
+
 @pytest.mark.parametrize("threads", [1, 2])
 def test_an_exploration_whose_single_matrices_take_long_keeps_its_time_limit(threads):
     start = time.perf_counter()

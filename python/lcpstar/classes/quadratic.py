@@ -6,7 +6,7 @@ import functools
 from fractions import Fraction
 
 from .certificate import Decomposition, ldl
-from .exact import Rows, subsets
+from .exact import Rows
 from .registry import MatrixClass, check, predicate
 from .subject import Subject
 from .verdict import Finding, Verdict
@@ -144,10 +144,12 @@ def is_fully_copositive(A: Subject) -> Finding:
 
 def every_transform(A: Subject, symbol: str) -> Finding:
     """Every legitimate principal pivot transform is in the class."""
-    for alpha, M in A.transforms():
+    transforms = A.transforms()
+    for done, (alpha, M) in enumerate(transforms):
+        A.poll(done, len(transforms))
         if not M.decided(symbol):
             return _in_transform(alpha, A.transform(alpha, M).decided(symbol))
-    return Finding(True, f"all {len(A.transforms())} legitimate PPTs are in {symbol}")
+    return Finding(True, f"all {len(transforms)} legitimate PPTs are in {symbol}")
 
 
 def _in_transform(alpha: tuple[int, ...], verdict: Verdict) -> Finding:
@@ -171,11 +173,11 @@ def exact_order(A: Subject, k: int) -> Finding:
     if k == 0:
         c0 = A.verdict("C0")
         return Finding(c0.holds, lambda: c0.reason, c0.witness, functools.partial(getattr, c0, "certificate"))
-    for alpha in subsets(A.n):
+    for alpha, block in A.principals():
         size = len(alpha)
         if size > A.n - k + 1:
             break
-        verdict = A.principal(alpha).decided("C0")
+        verdict = block.decided("C0")
         if size <= A.n - k and not verdict:
             return in_submatrix(A, alpha, verdict)
         if size == A.n - k + 1 and verdict:
@@ -208,7 +210,9 @@ def _fully_exact(A: Subject, k: int, other: str) -> Finding:
     """Every transform is copositive of exact order k or in `other`, and one is of exact order k."""
     symbol = "almost-C0" if k == 1 else f"C0({k})"
     exact, neither = False, []
-    for alpha, M in A.transforms():
+    transforms = A.transforms()
+    for done, (alpha, M) in enumerate(transforms):
+        A.poll(done, len(transforms))
         if M.decided(symbol):
             exact = True
             continue
@@ -223,7 +227,7 @@ def _fully_exact(A: Subject, k: int, other: str) -> Finding:
             )
         neither.append(InTransform(alpha, first.witness) if alpha else first.witness)
     if exact:
-        return Finding(True, f"all {len(A.transforms())} legitimate PPTs are {symbol} or {other}, one is {symbol}")
+        return Finding(True, f"all {len(transforms)} legitimate PPTs are {symbol} or {other}, one is {symbol}")
     return Finding(False, f"no legitimate PPT is {symbol}", All(tuple(neither)))
 
 

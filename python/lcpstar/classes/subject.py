@@ -75,6 +75,11 @@ class Subject:
             self._facts[key] = getattr(self.kernel, question)(*arguments, time_limit=left)
         return self._facts[key]
 
+    def poll(self, done: int, total: int) -> None:
+        """Called in loops over parts, each of which may be too small to look at the clock."""
+        if self.deadline is not None and time.monotonic() > self.deadline:
+            raise TimeoutError(done, total)
+
     def verdict(self, symbol: str) -> Verdict:
         """The verdict for another class, remembered."""
         if symbol not in self.verdicts:
@@ -103,7 +108,8 @@ class Subject:
 
     def principals(self) -> Iterator[tuple[IndexSet, Subject]]:
         """All principal submatrices, smaller ones first."""
-        for alpha in subsets(self.n):
+        for done, alpha in enumerate(subsets(self.n)):
+            self.poll(done, 2**self.n - 1)
             yield alpha, self.principal(alpha)
 
     def transforms(self) -> list[tuple[IndexSet, Subject]]:
