@@ -3,6 +3,7 @@
 use super::elimination::reduce;
 use super::imatrix::IMatrix;
 use super::int::{Int, dot, make_primitive};
+use std::convert::Infallible;
 
 /// Rows of equations `E` and inequalities `G` in `dimension` unknowns.
 #[derive(Clone, Debug)]
@@ -41,10 +42,20 @@ impl Cone {
     /// The extreme rays as primitive integer vectors. The cone must be pointed (no line), at most 128 inequalities.
     #[must_use]
     pub fn rays(&self) -> Vec<Vec<Int>> {
+        let Ok(rays) = self.rays_unless::<Infallible>(|| Ok(()));
+        rays
+    }
+
+    /// As [`rays`](Self::rays), with a question before each ray that is looked at: there may be exponentially many.
+    ///
+    /// # Errors
+    /// What `stopped` says.
+    pub fn rays_unless<E>(&self, stopped: impl Fn() -> Result<(), E>) -> Result<Vec<Vec<Int>>, E> {
         let basis = self.basis();
         let inequalities: Vec<Vec<Int>> =
             self.inequalities.iter().map(|g| basis.iter().map(|b| dot(g, b)).collect()).collect();
-        rays_in_coordinates(&inequalities, basis.len())
+        let rays = rays_in_coordinates(&inequalities, basis.len(), stopped)?;
+        Ok(rays
             .into_iter()
             .map(|u| {
                 let mut x: Vec<Int> = vec![Int::ZERO; self.dimension];
@@ -56,7 +67,7 @@ impl Cone {
                 make_primitive(&mut x);
                 x
             })
-            .collect()
+            .collect())
     }
 
     /// A basis of the solutions of the equations.
@@ -73,27 +84,31 @@ struct Ray {
 }
 
 /// Double description in `k` coordinates without equations.
-fn rays_in_coordinates(inequalities: &[Vec<Int>], k: usize) -> Vec<Vec<Int>> {
+fn rays_in_coordinates<E>(
+    inequalities: &[Vec<Int>],
+    k: usize,
+    stopped: impl Fn() -> Result<(), E>,
+) -> Result<Vec<Vec<Int>>, E> {
     debug_assert!(inequalities.len() <= 128);
     match k {
-        0 => return Vec::new(),
+        0 => return Ok(Vec::new()),
         1 => {
             let fits = |sign: i32| inequalities.iter().all(|g| g[0].sign() * sign >= 0);
-            return [1, -1].into_iter().filter(|&s| fits(s)).map(|s| vec![Int::from(i64::from(s))]).collect();
+            return Ok([1, -1].into_iter().filter(|&s| fits(s)).map(|s| vec![Int::from(i64::from(s))]).collect());
         }
         _ => {}
     }
     let Some((start, mut rays)) = simplicial_start(inequalities, k) else {
-        return Vec::new();
+        return Ok(Vec::new());
     };
     let mut added = start.iter().fold(0u128, |mask, &i| mask | 1 << i);
     for (index, g) in inequalities.iter().enumerate() {
         if added & (1 << index) == 0 {
-            rays = cut(rays, g, index, k);
+            rays = cut(rays, g, index, k, &stopped)?;
             added |= 1 << index;
         }
     }
-    rays.into_iter().map(|ray| ray.x).collect()
+    Ok(rays.into_iter().map(|ray| ray.x).collect())
 }
 
 /// `k` independent inequalities and the rays of their simplicial cone.
@@ -120,13 +135,20 @@ fn simplicial_start(inequalities: &[Vec<Int>], k: usize) -> Option<(Vec<usize>, 
 }
 
 /// Intersects the cone with `g x >= 0`.
-fn cut(rays: Vec<Ray>, g: &[Int], index: usize, k: usize) -> Vec<Ray> {
+fn cut<E>(
+    rays: Vec<Ray>,
+    g: &[Int],
+    index: usize,
+    k: usize,
+    stopped: &impl Fn() -> Result<(), E>,
+) -> Result<Vec<Ray>, E> {
     let values: Vec<Int> = rays.iter().map(|ray| dot(g, &ray.x)).collect();
     let mut kept = Vec::new();
     for (p, ray) in rays.iter().enumerate() {
         if values[p].sign() <= 0 {
             continue;
         }
+        stopped()?;
         for (m, other) in rays.iter().enumerate() {
             if values[m].sign() < 0 && adjacent(&rays, p, m, k) {
                 let mut x: Vec<Int> =
@@ -144,7 +166,7 @@ fn cut(rays: Vec<Ray>, g: &[Int], index: usize, k: usize) -> Vec<Ray> {
             kept.push(ray);
         }
     }
-    kept
+    Ok(kept)
 }
 
 /// Two extreme rays span a face exactly when no third one is tight wherever both are.

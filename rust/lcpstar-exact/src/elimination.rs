@@ -2,6 +2,7 @@
 
 use super::imatrix::IMatrix;
 use super::int::{Int, make_primitive};
+use std::convert::Infallible;
 
 /// A matrix brought to `d` times its reduced row echelon form, with integers only.
 #[derive(Clone, Debug)]
@@ -14,7 +15,20 @@ pub struct Reduced {
 
 /// Fraction-free Gauss-Jordan elimination, looking for pivots in the first `pivot_columns` columns. O(rows * columns * rank).
 #[must_use]
-pub fn reduce(mut matrix: IMatrix, pivot_columns: usize) -> Reduced {
+pub fn reduce(matrix: IMatrix, pivot_columns: usize) -> Reduced {
+    let Ok(reduced) = reduce_unless::<Infallible>(matrix, pivot_columns, || Ok(()));
+    reduced
+}
+
+/// As [`reduce`], with a question before each row that is changed, which may take a while where the integers are long.
+///
+/// # Errors
+/// What `stopped` says.
+pub fn reduce_unless<E>(
+    mut matrix: IMatrix,
+    pivot_columns: usize,
+    stopped: impl Fn() -> Result<(), E>,
+) -> Result<Reduced, E> {
     let (rows, columns) = (matrix.rows(), matrix.columns());
     let mut d = Int::ONE;
     let mut pivots = Vec::new();
@@ -33,6 +47,7 @@ pub fn reduce(mut matrix: IMatrix, pivot_columns: usize) -> Reduced {
         }
         let pivot = matrix.at(r, column).clone();
         for i in (0..rows).filter(|&i| i != r) {
+            stopped()?;
             let factor = matrix.at(i, column).clone();
             for j in 0..columns {
                 if j != column {
@@ -46,7 +61,7 @@ pub fn reduce(mut matrix: IMatrix, pivot_columns: usize) -> Reduced {
         d = pivot;
         pivots.push(column);
     }
-    Reduced { matrix, pivots, d, swaps }
+    Ok(Reduced { matrix, pivots, d, swaps })
 }
 
 impl Reduced {
@@ -112,19 +127,29 @@ impl Reduced {
 /// `det A`. O(n^3).
 #[must_use]
 pub fn determinant(a: &IMatrix) -> Int {
+    let Ok(determinant) = determinant_unless::<Infallible>(a, || Ok(()));
+    determinant
+}
+
+/// As [`determinant`], with the question of [`reduce_unless`].
+///
+/// # Errors
+/// What `stopped` says.
+pub fn determinant_unless<E>(a: &IMatrix, stopped: impl Fn() -> Result<(), E>) -> Result<Int, E> {
     let n = a.rows();
     let mut m = a.clone();
     let mut previous = Int::ONE;
     let mut negative = false;
     for k in 0..n {
         let Some(found) = (k..n).find(|&i| !m.at(i, k).is_zero()) else {
-            return Int::ZERO;
+            return Ok(Int::ZERO);
         };
         if found != k {
             m.swap_rows(found, k);
             negative = !negative;
         }
         for i in k + 1..n {
+            stopped()?;
             for j in k + 1..n {
                 let x = Int::cross(m.at(k, k), m.at(i, j), m.at(i, k), m.at(k, j), &previous);
                 m.set(i, j, x);
@@ -132,7 +157,7 @@ pub fn determinant(a: &IMatrix) -> Int {
         }
         previous = m.at(k, k).clone();
     }
-    if negative { -&previous } else { previous }
+    Ok(if negative { -&previous } else { previous })
 }
 
 /// The rank of a matrix.

@@ -1,6 +1,7 @@
 //! Exact linear programs of small size: an integer simplex tableau with Bland's rule.
 
 use super::int::{Int, make_primitive};
+use std::convert::Infallible;
 
 /// Rows `t x = t_rhs` with one positive common denominator `d`; the last row is the objective.
 struct Tableau {
@@ -11,11 +12,12 @@ struct Tableau {
 
 impl Tableau {
     /// Exchanges basic variable of row `r` for column `c`; the pivot is positive, so `d` stays positive.
-    fn pivot(&mut self, r: usize, c: usize) {
+    fn pivot<E>(&mut self, r: usize, c: usize, stopped: &impl Fn() -> Result<(), E>) -> Result<(), E> {
         let pivot = self.rows[r][c].clone();
         let row = self.rows[r].clone();
         for (i, other) in self.rows.iter_mut().enumerate() {
             if i != r {
+                stopped()?;
                 let factor = other[c].clone();
                 for (x, y) in other.iter_mut().zip(&row) {
                     *x = Int::cross(&pivot, x, &factor, y, &self.d);
@@ -24,10 +26,11 @@ impl Tableau {
         }
         self.d = pivot;
         self.basis[r] = c;
+        Ok(())
     }
 
     /// Bland's rule on the first `columns` columns until no reduced cost is negative; `false` if unbounded.
-    fn minimise(&mut self, columns: usize) -> bool {
+    fn minimise<E>(&mut self, columns: usize, stopped: &impl Fn() -> Result<(), E>) -> Result<bool, E> {
         let objective = self.rows.len() - 1;
         while let Some(c) = (0..columns).find(|&j| self.rows[objective][j].sign() < 0) {
             let rhs = self.rows[objective].len() - 1;
@@ -42,10 +45,10 @@ impl Tableau {
                     best = Some(i);
                 }
             }
-            let Some(r) = best else { return false };
-            self.pivot(r, c);
+            let Some(r) = best else { return Ok(false) };
+            self.pivot(r, c, stopped)?;
         }
-        true
+        Ok(true)
     }
 }
 
@@ -81,7 +84,7 @@ pub fn feasible(columns: &[Vec<Int>], b: &[Int]) -> Feasibility {
         .collect();
     rows.push(objective);
     let mut tableau = Tableau { rows, basis: (k..k + m).collect(), d: Int::ONE };
-    let bounded = tableau.minimise(k);
+    let Ok(bounded) = tableau.minimise::<Infallible>(k, &|| Ok(()));
     debug_assert!(bounded, "a sum of nonnegative variables is bounded below");
     let last = &tableau.rows[m];
     if last[k + m].is_zero() {
@@ -101,8 +104,10 @@ pub fn feasible(columns: &[Vec<Int>], b: &[Int]) -> Feasibility {
 
 /// `max 1'p` subject to `B p <= 1, p >= 0` for a positive matrix B given by rows: `(p, u, t)`, all over the common
 /// denominator `t > 0`; `u` is optimal in the dual `min 1'u, B'u >= 1, u >= 0`.
-#[must_use]
-pub fn packing(b: &[Vec<Int>]) -> (Vec<Int>, Vec<Int>, Int) {
+///
+/// # Errors
+/// What `stopped` says, which is asked before each row of a pivot.
+pub fn packing<E>(b: &[Vec<Int>], stopped: impl Fn() -> Result<(), E>) -> Result<(Vec<Int>, Vec<Int>, Int), E> {
     let (m, k) = (b.len(), b.first().map_or(0, Vec::len));
     let mut rows: Vec<Vec<Int>> = (0..m)
         .map(|i| {
@@ -114,7 +119,7 @@ pub fn packing(b: &[Vec<Int>]) -> (Vec<Int>, Vec<Int>, Int) {
         .collect();
     rows.push((0..=k + m).map(|j| Int::from(-i64::from(j < k))).collect());
     let mut tableau = Tableau { rows, basis: (k..k + m).collect(), d: Int::ONE };
-    let bounded = tableau.minimise(k + m);
+    let bounded = tableau.minimise(k + m, &stopped)?;
     debug_assert!(bounded, "B is positive");
     let mut p = vec![Int::ZERO; k];
     for (row, &column) in tableau.basis.iter().enumerate() {
@@ -123,7 +128,7 @@ pub fn packing(b: &[Vec<Int>]) -> (Vec<Int>, Vec<Int>, Int) {
         }
     }
     let u = tableau.rows[m][k..k + m].to_vec();
-    (p, u, tableau.d)
+    Ok((p, u, tableau.d))
 }
 
 #[cfg(test)]
@@ -157,7 +162,7 @@ mod tests {
 
     #[test]
     fn packing_is_dual() {
-        let (p, u, t) = packing(&[ints(&[3, 1]), ints(&[1, 2])]);
+        let Ok((p, u, t)) = packing::<Infallible>(&[ints(&[3, 1]), ints(&[1, 2])], || Ok(()));
         let sum = |v: &[Int]| v.iter().fold(Int::ZERO, |s, x| &s + x);
         assert_eq!(sum(&p), sum(&u));
         assert_eq!((sum(&p), t), (Int::from(3), Int::from(5)));

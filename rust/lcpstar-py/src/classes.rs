@@ -15,11 +15,12 @@ use lcpstar::exact::int::Int;
 use num_bigint::BigInt;
 use pyo3::exceptions::{PyTimeoutError, PyValueError};
 use pyo3::prelude::*;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
-use crate::errors::{ask, enter_core};
+use crate::errors::{Signals, enter_core};
+use crate::solve::after;
 
 type Vector = Vec<BigInt>;
 
@@ -38,29 +39,16 @@ fn search<T: Send>(
     time_limit: Option<f64>,
     run: impl FnOnce(&Budget<'_>) -> Search<T> + Send,
 ) -> PyResult<T> {
-    let signal: Mutex<Option<PyErr>> = Mutex::new(None);
+    let deadline = time_limit.and_then(|limit| after(Instant::now(), limit));
+    let signals = Signals::new();
     let (result, progress) = enter_core(py, || {
-        let cancelled = || {
-            let raised = ask(|py| py.check_signals().err()).flatten();
-            let stop = raised.is_some() || stop.load(Ordering::Relaxed);
-            if let (Some(error), Ok(mut slot)) = (raised, signal.lock()) {
-                *slot = Some(error);
-            }
-            stop
-        };
-        let deadline = time_limit.map(|s| Instant::now() + Duration::try_from_secs_f64(s).unwrap_or_default());
+        let cancelled = || stop.load(Ordering::Relaxed) || signals.interrupted();
         let budget = Budget::new(deadline, Some(&cancelled));
         let result = run(&budget);
         Ok((result, budget.progress()))
     })?;
-    match result {
-        Ok(value) => Ok(value),
-        Err(Stopped::TimeLimit) => Err(PyTimeoutError::new_err(progress)),
-        Err(Stopped::Cancelled) => {
-            let raised = signal.into_inner().ok().flatten();
-            Err(raised.unwrap_or_else(|| PyTimeoutError::new_err(progress)))
-        }
-    }
+    signals.raise()?;
+    result.map_err(|(Stopped::TimeLimit | Stopped::Cancelled)| PyTimeoutError::new_err(progress))
 }
 
 /// A square integer matrix, row-major.
@@ -132,8 +120,8 @@ impl IntegerMatrix {
     /// x with x'Ax < 0 (<= 0 when strict), x != 0.
     #[pyo3(signature = (strict=false, time_limit=None))]
     fn negative_direction(&self, py: Python<'_>, strict: bool, time_limit: Option<f64>) -> PyResult<Option<Vector>> {
-        self.search(py, time_limit, |_| {
-            Ok(definite::negative_direction(&self.a.symmetric_part(), strict).map(|x| out(&x)))
+        self.search(py, time_limit, |budget| {
+            Ok(definite::negative_direction(&self.a.symmetric_part(), strict, budget)?.map(|x| out(&x)))
         })
     }
 
@@ -197,7 +185,7 @@ impl IntegerMatrix {
     /// x that refutes PSBD.
     #[pyo3(signature = (time_limit=None))]
     fn subdefinite(&self, py: Python<'_>, time_limit: Option<f64>) -> PyResult<Option<Vector>> {
-        self.search(py, time_limit, |_| Ok(subdefinite::subdefinite_violation(&self.a).map(|x| out(&x))))
+        self.search(py, time_limit, |budget| Ok(subdefinite::subdefinite_violation(&self.a, budget)?.map(|x| out(&x))))
     }
 
     /// (x, y) that refutes pseudomonotonicity on the orthant.
@@ -254,7 +242,7 @@ impl IntegerMatrix {
     #[pyo3(signature = (q, time_limit=None))]
     fn separate(&self, py: Python<'_>, q: Vector, time_limit: Option<f64>) -> PyResult<Option<Vec<Vector>>> {
         let q: Vec<Int> = q.into_iter().map(Int::from).collect();
-        self.search(py, time_limit, |_| Ok(solvable::separate(&self.a, &q).map(|rows| table(&rows))))
+        self.search(py, time_limit, |budget| Ok(solvable::separate(&self.a, &q, budget)?.map(|rows| table(&rows))))
     }
 
     /// ((v, X row-major), []) if (++) holds, else (None, tree).
@@ -324,14 +312,14 @@ impl IntegerMatrix {
 
     /// (numerator, denominator, x, y) of the matrix game.
     fn game(&self, py: Python<'_>) -> PyResult<(BigInt, BigInt, Vector, Vector)> {
-        self.search(py, None, |_| {
-            let g = game::solve(&self.a);
+        self.search(py, None, |budget| {
+            let g = game::solve(&self.a, budget)?;
             Ok((g.numerator.to_big(), g.denominator.to_big(), out(&g.x), out(&g.y)))
         })
     }
 
     /// The determinant.
-    fn determinant(&self) -> BigInt {
-        elimination::determinant(&self.a).to_big()
+    fn determinant(&self, py: Python<'_>) -> PyResult<BigInt> {
+        self.search(py, None, |budget| Ok(elimination::determinant_unless(&self.a, || budget.poll())?.to_big()))
     }
 }

@@ -4,7 +4,7 @@ use lcpstar::LcpError;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::atomic::{AtomicUsize, Ordering, fence};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering, fence};
 use std::sync::{Mutex, OnceLock};
 use std::thread::ThreadId;
 use std::time::{Duration, Instant};
@@ -119,8 +119,13 @@ pub fn raise(py: Python<'_>, class: &str, message: &str) -> PyErr {
 
 /// Ctrl-C while the interpreter is released: asked once per iteration, looks at most every 50 ms, so that a short
 /// solve never takes the interpreter back and a long one stops within a blink.
+///
+/// Python runs signal handlers in its main thread alone, so only the thread that made this looks; those that it started
+/// are told. Once true, the answer stays true: whoever asks first, the next one stops as well.
 pub struct Signals {
+    caller: ThreadId,
     next: Mutex<Instant>,
+    interrupted: AtomicBool,
     pending: Mutex<Option<PyErr>>,
 }
 
@@ -134,25 +139,30 @@ impl Signals {
 
     /// A call that began at `start`.
     pub fn since(start: Instant) -> Self {
-        Self { next: Mutex::new(start + SIGNAL_PERIOD), pending: Mutex::new(None) }
+        Self {
+            caller: std::thread::current().id(),
+            next: Mutex::new(start + SIGNAL_PERIOD),
+            interrupted: AtomicBool::new(false),
+            pending: Mutex::new(None),
+        }
     }
 
     /// Whether a signal handler raised; the exception is kept for [`Signals::raise`].
     pub fn interrupted(&self) -> bool {
-        // Another thread of the core is looking: it will see the signal.
+        self.interrupted.load(Ordering::Relaxed) || (std::thread::current().id() == self.caller && self.look())
+    }
+
+    fn look(&self) -> bool {
         let Ok(mut next) = self.next.try_lock() else { return false };
         let now = Instant::now();
         if now < *next {
             return false;
         }
         *next = now + SIGNAL_PERIOD;
-        match ask(|py| py.check_signals()) {
-            None | Some(Ok(())) => false,
-            Some(Err(error)) => {
-                self.pending.lock().map(|mut pending| pending.replace(error)).ok();
-                true
-            }
-        }
+        let Some(Err(error)) = ask(|py| py.check_signals()) else { return false };
+        self.pending.lock().map(|mut pending| pending.replace(error)).ok();
+        self.interrupted.store(true, Ordering::Relaxed);
+        true
     }
 
     /// Raises what a signal handler raised.

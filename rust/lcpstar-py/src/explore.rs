@@ -4,17 +4,20 @@ use lcpstar::classes::budget::{Budget, Search, Stopped};
 use lcpstar::classes::class::{Class, Facts};
 use lcpstar::classes::formula::{Derived, Formula, Quantity, Range};
 use lcpstar::classes::scan::{Space, Tally};
+use lcpstar::control::in_threads;
 use lcpstar::exact::int::Int;
 use num_bigint::BigInt;
 use pyo3::exceptions::{PyTimeoutError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
-use rayon::prelude::*;
 use std::cmp::Ordering;
-use std::time::{Duration, Instant};
+use std::sync::atomic::AtomicU64;
+use std::sync::atomic::Ordering::Relaxed;
+use std::time::Instant;
 
 use crate::classes::IntegerMatrix;
-use crate::errors::enter_core;
+use crate::errors::{Signals, enter_core};
+use crate::solve::after;
 
 fn bad(what: &str) -> PyErr {
     PyValueError::new_err(format!("formula: {what}"))
@@ -99,7 +102,7 @@ fn range(tree: &Bound<'_, PyAny>) -> PyResult<Range> {
     }
 }
 
-/// Below this many matrices a thread does not pay.
+/// Matrices that a thread takes at a time.
 const PER_TASK: u64 = 64;
 
 /// Scans matrices `start..stop`: (scanned, hypothesis, failed, (number, entries) of the smallest failure or None).
@@ -121,29 +124,30 @@ pub fn scan(
 ) -> PyResult<(u64, u64, u64, Option<(u64, Vec<i64>)>)> {
     let (hypothesis, conclusion) = (formula(hypothesis)?, formula(conclusion)?);
     let space = Space { n, entries, up_to_permutation, seed };
-    let deadline = time_limit.map(|s| Instant::now() + Duration::try_from_secs_f64(s).unwrap_or_default());
-    let tasks: Vec<u64> = (start..stop).step_by(PER_TASK as usize).collect();
-    let run = |&from: &u64| -> Search<Tally> {
-        let budget = Budget::new(deadline, None);
-        space.scan(&hypothesis, &conclusion, from, (from + PER_TASK).min(stop), &budget)
+    let deadline = time_limit.and_then(|limit| after(Instant::now(), limit));
+    let signals = Signals::new();
+    let next = AtomicU64::new(start);
+    let run = || -> Search<Tally> {
+        let cancelled = || signals.interrupted();
+        let budget = Budget::new(deadline, Some(&cancelled));
+        let mut sum = Tally::default();
+        loop {
+            let from = next.fetch_add(PER_TASK, Relaxed);
+            if from >= stop {
+                return Ok(sum);
+            }
+            sum.add(space.scan(&hypothesis, &conclusion, from, (from + PER_TASK).min(stop), &budget)?);
+        }
     };
-    let tallies: Search<Vec<Tally>> = enter_core(py, || {
-        if threads <= 1 {
-            return Ok(tasks.iter().map(run).collect());
-        }
-        Ok(match rayon::ThreadPoolBuilder::new().num_threads(threads).build() {
-            Ok(pool) => pool.install(|| tasks.par_iter().map(run).collect()),
-            Err(_) => tasks.iter().map(run).collect(),
-        })
-    })?;
-    match tallies {
-        Ok(tallies) => {
-            let mut sum = Tally::default();
-            tallies.into_iter().for_each(|t| sum.add(t));
-            Ok((sum.scanned, sum.hypothesis, sum.failed, sum.smallest))
-        }
-        Err(Stopped::TimeLimit | Stopped::Cancelled) => Err(PyTimeoutError::new_err((0, 0))),
+    let tasks = stop.saturating_sub(start).div_ceil(PER_TASK) as usize;
+    let helpers = threads.min(tasks).saturating_sub(1);
+    let tallies = enter_core(py, || Ok(in_threads(helpers, run, || _ = signals.interrupted())))?;
+    signals.raise()?;
+    let mut sum = Tally::default();
+    for tally in tallies {
+        sum.add(tally.map_err(|(Stopped::TimeLimit | Stopped::Cancelled)| PyTimeoutError::new_err((0, 0)))?);
     }
+    Ok((sum.scanned, sum.hypothesis, sum.failed, sum.smallest))
 }
 
 /// Whether one matrix satisfies a formula.

@@ -2,13 +2,14 @@
 
 use lcpstar::driver::{self, BRIEF_UP_TO, Certify, Method, Settings};
 use lcpstar::methods::{bilinear, block_pivoting, lemke, lemke_howson};
+use lcpstar::pivoting::transform::principal_pivot_transform;
 use lcpstar::{Control, Lcp, LcpError};
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use std::time::{Duration, Instant};
 
 use crate::arrays::{MatrixArray, VectorArray, index_set, numbers, square, to_lcp_as_is};
-use crate::errors::{Signals, enter_core, enter_core_briefly, to_python};
+use crate::errors::{Signals, enter_core, enter_core_briefly, raise, to_python};
 use crate::solution::PySolution;
 
 /// Attributes of `lcpstar.LemkeOptions`; `None` means the core's default.
@@ -107,13 +108,17 @@ pub fn solve(
     Ok(Some(PySolution::new(solution, start.elapsed().as_secs_f64())))
 }
 
+/// That many seconds after `start`, `start` itself for none or less; no time where it is too long to express.
+pub fn after(start: Instant, seconds: f64) -> Option<Instant> {
+    let limit = Duration::try_from_secs_f64(seconds.max(0.0)).ok()?;
+    start.checked_add(limit)
+}
+
 /// When to stop; a time limit too long to express is none.
 pub fn deadline(py: Python<'_>, start: Instant, time_limit: Option<f64>) -> PyResult<Option<Instant>> {
     match time_limit {
         None => Ok(None),
-        Some(value) if value > 0.0 => {
-            Ok(Duration::try_from_secs_f64(value).ok().and_then(|limit| start.checked_add(limit)))
-        }
+        Some(value) if value > 0.0 => Ok(after(start, value)),
         Some(value) => Err(to_python(py, &LcpError::OutOfRange { name: "time_limit", value, rule: "positive" })),
     }
 }
@@ -129,8 +134,11 @@ pub fn ppt<'py>(
     let (n, a) = square(py, "A", &a)?;
     let q = q.as_ref().map_or_else(|| vec![0.0; n], numbers);
     let alpha = index_set(py, "alpha", &alpha, n)?;
-    let transformed =
-        enter_core(py, || lcpstar::pivoting::transform::principal_pivot_transform(&Lcp::new(n, a, q)?, &alpha))?;
+    let signals = Signals::new();
+    let control = Control { interrupted: Some(&|| signals.interrupted()), ..Control::default() };
+    let transformed = enter_core(py, || principal_pivot_transform(&Lcp::new(n, a, q)?, &alpha, &control))?;
+    signals.raise()?;
+    let Some(transformed) = transformed else { return Err(raise(py, "InternalError", "the transform was stopped")) };
     let m = PyArray1::from_slice(py, transformed.a()).reshape([n, n])?;
     Ok((m, PyArray1::from_slice(py, transformed.q())))
 }

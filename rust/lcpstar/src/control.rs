@@ -1,7 +1,8 @@
 //! What may stop a method from outside: an iteration limit, a deadline, an interrupt.
 
 use crate::status::Termination;
-use std::time::Instant;
+use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::time::{Duration, Instant};
 
 /// Asked by every method once per iteration. Borrowed, `Sync`, no cost worth naming when nothing is set.
 #[derive(Clone, Copy, Default)]
@@ -41,4 +42,38 @@ impl Control<'_> {
     pub fn with_max_iterations(self, max_iterations: Option<usize>) -> Self {
         Self { max_iterations, ..self }
     }
+}
+
+/// How often a thread that waits for others looks around.
+const LOOK_EVERY: Duration = Duration::from_millis(20);
+
+/// Runs `work` in this thread and in `helpers` others; the result of this one comes first.
+///
+/// `look` is called here while the others are at work: only the thread that the caller came with can see his Ctrl-C.
+pub fn in_threads<T: Send>(helpers: usize, work: impl Fn() -> T + Sync, look: impl Fn()) -> Vec<T> {
+    let work = &work;
+    std::thread::scope(|scope| {
+        let (working, done) = channel::<()>();
+        let others: Vec<_> = (0..helpers)
+            .map(|_| {
+                let working = working.clone();
+                scope.spawn(move || {
+                    let _until_the_end = working;
+                    work()
+                })
+            })
+            .collect();
+        drop(working);
+        let mut results = vec![work()];
+        while done.recv_timeout(LOOK_EVERY) == Err(RecvTimeoutError::Timeout) {
+            look();
+        }
+        for thread in others {
+            match thread.join() {
+                Ok(result) => results.push(result),
+                Err(panic) => std::panic::resume_unwind(panic),
+            }
+        }
+        results
+    })
 }

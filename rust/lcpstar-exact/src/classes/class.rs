@@ -157,8 +157,8 @@ impl Facts {
         let minors = |rule, proper| Ok(first_violation(a, rule, proper, b)?.is_none());
         let almost = |rule, sign| Ok(determinant(a).sign() == sign && first_violation(a, rule, true, b)?.is_none());
         match class {
-            Class::PD => Ok(definite::negative_direction(&a.symmetric_part(), true).is_none()),
-            Class::PSD => Ok(definite::negative_direction(&a.symmetric_part(), false).is_none()),
+            Class::PD => Ok(definite::negative_direction(&a.symmetric_part(), true, b)?.is_none()),
+            Class::PSD => Ok(definite::negative_direction(&a.symmetric_part(), false, b)?.is_none()),
             Class::CSU => Ok(sufficient::violation(a, b)?.is_none()),
             Class::RSU => Ok(sufficient::violation(&a.transpose(), b)?.is_none()),
             Class::SU => self.all(&[Class::CSU, Class::RSU], b),
@@ -182,7 +182,7 @@ impl Facts {
             Class::E | Class::CQ => Ok(semimonotone::violation(a, true, b)?.is_none()),
             Class::L2 => Ok(garcia_violation(a, b)?.is_none()),
             Class::L => self.all(&[Class::E0, Class::L2], b),
-            Class::PSBD => Ok(subdefinite::subdefinite_violation(a).is_none()),
+            Class::PSBD => Ok(subdefinite::subdefinite_violation(a, b)?.is_none()),
             Class::PM => Ok(subdefinite::pseudomonotone_violation(a, b)?.is_none()),
             Class::C0f => self.every_transform(&[Class::C0], b),
             Class::E0f => self.every_transform(&[Class::E0], b),

@@ -1,12 +1,15 @@
 //! Definiteness of the quadratic form `x'Sx`, S symmetric, by symmetric fraction-free elimination.
 
-use crate::elimination::reduce;
+use super::budget::{Budget, Search};
+use crate::elimination::reduce_unless;
 use crate::imatrix::IMatrix;
 use crate::int::{Int, make_primitive};
 
 /// `x` with `x'Sx < 0`, or with `x != 0` and `x'Sx <= 0` when `strict`; `None` if S is PSD (PD). O(n^3).
-#[must_use]
-pub fn negative_direction(s: &IMatrix, strict: bool) -> Option<Vec<Int>> {
+///
+/// # Errors
+/// `Stopped` by the budget.
+pub fn negative_direction(s: &IMatrix, strict: bool, budget: &Budget<'_>) -> Search<Option<Vec<Int>>> {
     let n = s.rows();
     let mut m = s.clone();
     let mut previous = Int::ONE;
@@ -14,7 +17,7 @@ pub fn negative_direction(s: &IMatrix, strict: bool) -> Option<Vec<Int>> {
     let mut done: Vec<usize> = Vec::new();
     while !left.is_empty() {
         if let Some(&i) = left.iter().find(|&&i| m.at(i, i).sign() < 0) {
-            return Some(lift(s, &done, &[(i, 1)]));
+            return lift(s, &done, &[(i, 1)], budget).map(Some);
         }
         let Some(position) = left.iter().position(|&i| m.at(i, i).sign() > 0) else {
             break;
@@ -22,6 +25,7 @@ pub fn negative_direction(s: &IMatrix, strict: bool) -> Option<Vec<Int>> {
         let k = left.remove(position);
         let pivot = m.at(k, k).clone();
         for &i in &left {
+            budget.poll()?;
             for &j in left.iter().filter(|&&j| j >= i) {
                 let x = Int::cross(&pivot, m.at(i, j), m.at(i, k), m.at(k, j), &previous);
                 m.set(j, i, x.clone());
@@ -36,15 +40,15 @@ pub fn negative_direction(s: &IMatrix, strict: bool) -> Option<Vec<Int>> {
         for &j in &left[p + 1..] {
             let sign = m.at(i, j).sign();
             if sign != 0 {
-                return Some(lift(s, &done, &[(i, 1), (j, -sign)]));
+                return lift(s, &done, &[(i, 1), (j, -sign)], budget).map(Some);
             }
         }
     }
-    if strict { left.first().map(|&i| lift(s, &done, &[(i, 1)])) } else { None }
+    left.first().filter(|_| strict).map(|&i| lift(s, &done, &[(i, 1)], budget)).transpose()
 }
 
 /// Completes `u`, given off `done`, by the minimiser of the form over the eliminated variables `done`.
-fn lift(s: &IMatrix, done: &[usize], u: &[(usize, i32)]) -> Vec<Int> {
+fn lift(s: &IMatrix, done: &[usize], u: &[(usize, i32)], budget: &Budget<'_>) -> Search<Vec<Int>> {
     let k = done.len();
     let system = IMatrix::from_fn(k, k + 1, |i, j| {
         if j < k {
@@ -53,7 +57,8 @@ fn lift(s: &IMatrix, done: &[usize], u: &[(usize, i32)]) -> Vec<Int> {
             u.iter().fold(Int::ZERO, |sum, &(c, sign)| &sum - &(&Int::from(i64::from(sign)) * s.at(done[i], c)))
         }
     });
-    let (y, t) = reduce(system, k).particular(k, k).unwrap_or((vec![Int::ZERO; k], Int::ONE));
+    let reduced = reduce_unless(system, k, || budget.poll())?;
+    let (y, t) = reduced.particular(k, k).unwrap_or((vec![Int::ZERO; k], Int::ONE));
     let mut x = vec![Int::ZERO; s.rows()];
     for (value, &i) in y.into_iter().zip(done) {
         x[i] = value;
@@ -62,7 +67,7 @@ fn lift(s: &IMatrix, done: &[usize], u: &[(usize, i32)]) -> Vec<Int> {
         x[c] = &t * &Int::from(i64::from(sign));
     }
     make_primitive(&mut x);
-    x
+    Ok(x)
 }
 
 #[cfg(test)]
@@ -81,7 +86,7 @@ mod tests {
         for (rows, psd, pd) in cases {
             let s = IMatrix::from_rows(rows);
             for (strict, holds) in [(false, psd), (true, pd)] {
-                let found = negative_direction(&s, strict);
+                let found = negative_direction(&s, strict, &Budget::unlimited()).expect("no limit");
                 assert_eq!(found.is_none(), holds, "{rows:?}");
                 if let Some(x) = found {
                     let value = s.form(&x, &x).sign();

@@ -3,21 +3,27 @@
 //! Principal minors of `A D`, D a positive diagonal, have the signs of those of A. So A is P (P0) when some `A D` is
 //! positive (semi)definite, or diagonally dominant with a positive diagonal [CPS92, sec. 3.3].
 
+use super::budget::{Budget, Search};
 use super::definite::negative_direction;
 use crate::imatrix::IMatrix;
 use crate::int::Int;
 
 /// Whether a test shows that A is P (`strict`) or P0.
-#[must_use]
-pub fn is_known(a: &IMatrix, strict: bool) -> bool {
+///
+/// # Errors
+/// `Stopped` by the budget.
+pub fn is_known(a: &IMatrix, strict: bool, budget: &Budget<'_>) -> Search<bool> {
     if is_dominant(a) || is_dominant(&a.transpose()) {
-        return true;
+        return Ok(true);
     }
     let ones = vec![Int::ONE; a.rows()];
-    [Some(ones), balance_along_tree(a), Some(balance_in_the_mean(a))].into_iter().flatten().any(|d| {
+    for d in [Some(ones), balance_along_tree(a), Some(balance_in_the_mean(a))].into_iter().flatten() {
         let scaled = IMatrix::from_fn(a.rows(), a.rows(), |i, j| a.at(i, j) * &d[j]);
-        negative_direction(&scaled.symmetric_part(), strict).is_none()
-    })
+        if negative_direction(&scaled.symmetric_part(), strict, budget)?.is_none() {
+            return Ok(true);
+        }
+    }
+    Ok(false)
 }
 
 /// `a_ii > sum of |a_ij|, j != i`.
@@ -82,18 +88,22 @@ fn balance_in_the_mean(a: &IMatrix) -> Vec<Int> {
 mod tests {
     use super::*;
 
+    fn known(a: &IMatrix, strict: bool) -> bool {
+        is_known(a, strict, &Budget::unlimited()).expect("no limit")
+    }
+
     #[test]
     fn scaled_skew_plus_diagonal_is_p_and_scaled_skew_is_p0() {
         // ((0 1 -2; -1 0 3; 2 -3 0) + D) E with E = diag(1, 5, 7).
         let skew = IMatrix::from_rows(&[[0, 5, -14], [-1, 0, 21], [2, -15, 0]]);
-        assert!(is_known(&skew, false) && !is_known(&skew, true));
+        assert!(known(&skew, false) && !known(&skew, true));
         let p = IMatrix::from_rows(&[[1, 5, -14], [-1, 5, 21], [2, -15, 7]]);
-        assert!(is_known(&p, true));
+        assert!(known(&p, true));
     }
 
     /// det = -3: no test may say P0.
     #[test]
     fn says_nothing_about_others() {
-        assert!(!is_known(&IMatrix::from_rows(&[[1, 2], [2, 1]]), false));
+        assert!(!known(&IMatrix::from_rows(&[[1, 2], [2, 1]]), false));
     }
 }

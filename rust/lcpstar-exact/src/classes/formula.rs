@@ -93,7 +93,7 @@ impl Formula {
         let n = m.rows();
         match self {
             Self::In(class) => a.holds(*class, b),
-            Self::Compare(quantity, orderings, p, q) => Ok(orderings.contains(&compare(*quantity, m, p, q))),
+            Self::Compare(quantity, orderings, p, q) => Ok(orderings.contains(&compare(*quantity, m, p, q, b)?)),
             Self::IsSymmetric => Ok((0..n).all(|i| (0..i).all(|j| m.at(i, j) == m.at(j, i)))),
             Self::IsSkew => Ok((0..n).all(|i| (0..=i).all(|j| (m.at(i, j) + m.at(j, i)).is_zero()))),
             Self::IsBordered => {
@@ -151,11 +151,11 @@ impl Formula {
     }
 }
 
-fn compare(quantity: Quantity, m: &IMatrix, p: &Int, q: &Int) -> Ordering {
+fn compare(quantity: Quantity, m: &IMatrix, p: &Int, q: &Int, budget: &Budget<'_>) -> Search<Ordering> {
     let whole = |x: &Int| (x * q).cmp(p);
-    match quantity {
+    Ok(match quantity {
         Quantity::Value => {
-            let g = game::solve(m);
+            let g = game::solve(m, budget)?;
             (&g.numerator * q).cmp(&(p * &g.denominator))
         }
         Quantity::Determinant => whole(&determinant(m)),
@@ -166,7 +166,7 @@ fn compare(quantity: Quantity, m: &IMatrix, p: &Int, q: &Int) -> Ordering {
         Quantity::Largest => whole(&m.entries().iter().max().cloned().unwrap_or_default()),
         Quantity::Entry(i, j) if i < m.rows() && j < m.rows() => whole(m.at(i, j)),
         Quantity::Entry(..) => whole(&Int::ZERO),
-    }
+    })
 }
 
 fn derive(m: &IMatrix, derived: &Derived) -> Option<IMatrix> {

@@ -1,5 +1,6 @@
 //! The von Neumann value `v(A) = max over the simplex of min_i (Ax)_i`.
 
+use super::budget::{Budget, Search};
 use crate::imatrix::IMatrix;
 use crate::int::Int;
 use crate::lp::packing;
@@ -18,13 +19,15 @@ pub struct Game {
 }
 
 /// Solves the game of a square matrix of order n >= 1 by one linear program on `A + c`, shifted to be positive.
-#[must_use]
-pub fn solve(a: &IMatrix) -> Game {
+///
+/// # Errors
+/// `Stopped` by the budget.
+pub fn solve(a: &IMatrix, budget: &Budget<'_>) -> Search<Game> {
     let least = a.entries().iter().min().cloned().unwrap_or_default();
     let shift = &Int::ONE - &least;
     let columns: Vec<Vec<Int>> =
         (0..a.columns()).map(|j| (0..a.rows()).map(|i| a.at(i, j) + &shift).collect()).collect();
-    let (y, x, t) = packing(&columns);
+    let (y, x, t) = packing(&columns, || budget.poll())?;
     let total = y.iter().fold(Int::ZERO, |sum, v| &sum + v);
-    Game { numerator: &t - &(&shift * &total), denominator: total, x, y }
+    Ok(Game { numerator: &t - &(&shift * &total), denominator: total, x, y })
 }

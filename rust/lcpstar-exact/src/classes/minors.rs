@@ -54,8 +54,8 @@ pub fn first_violation(a: &IMatrix, rule: Rule, proper: bool, budget: &Budget<'_
         }
     }
     let known = match rule {
-        Rule::Positive => is_known(a, true),
-        Rule::NonNegative => is_known(a, false),
+        Rule::Positive => is_known(a, true, budget)?,
+        Rule::NonNegative => is_known(a, false, budget)?,
         Rule::Negative | Rule::NonPositive => false,
     };
     if n <= BY_SIZE_UP_TO || known {

@@ -38,7 +38,7 @@ pub fn pieces(a: &IMatrix, q: &[Int], budget: &Budget<'_>) -> Search<Vec<Polyhed
         alpha.iter().for_each(|&i| cone.zero(row(i)));
         indices(complement(mask, n)).into_iter().for_each(|i| cone.nonnegative(row(i)));
         let mut piece = Polyhedron { alpha: mask, vertices: Vec::new(), rays: Vec::new() };
-        for mut ray in cone.rays() {
+        for mut ray in cone.rays_unless(|| budget.poll())? {
             let t = ray.pop().unwrap_or_default();
             let z = crate::imatrix::embed(&ray, &alpha, n);
             if t.is_zero() {

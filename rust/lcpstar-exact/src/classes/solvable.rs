@@ -59,14 +59,19 @@ pub fn infeasibility_rays(a: &IMatrix) -> Vec<Vec<Int>> {
 }
 
 /// For each of the `2^n` index sets a vector that separates q from its complementary cone; `None` if one contains q.
-#[must_use]
-pub fn separate(a: &IMatrix, q: &[Int]) -> Option<Vec<Vec<Int>>> {
-    (0..1u64 << a.rows())
-        .map(|alpha| match feasible(&complementary_columns(a, alpha), q) {
-            Feasibility::Point(..) => None,
-            Feasibility::Farkas(y) => Some(y),
-        })
-        .collect()
+///
+/// # Errors
+/// `Stopped` by the budget.
+pub fn separate(a: &IMatrix, q: &[Int], budget: &Budget<'_>) -> Search<Option<Vec<Vec<Int>>>> {
+    let mut separating = Vec::new();
+    for alpha in 0..1u64 << a.rows() {
+        budget.poll_each()?;
+        match feasible(&complementary_columns(a, alpha), q) {
+            Feasibility::Point(..) => return Ok(None),
+            Feasibility::Farkas(y) => separating.push(y),
+        }
+    }
+    Ok(Some(separating))
 }
 
 /// `(z, t)` with `z >= 0, A z + t q >= 0, t > 0`, if FEA(q, A) is not empty.
@@ -146,7 +151,7 @@ pub fn plus_plus(a: &IMatrix, budget: &Budget<'_>) -> Search<PlusPlus> {
     for j in (0..n).filter(|&j| (0..n).any(|i| i != j && !a.at(i, j).is_zero())) {
         let mut dual = Cone::new(n);
         generators(j).into_iter().for_each(|g| dual.nonnegative(g));
-        members.push(Member { label: j, facets: dual.rays() });
+        members.push(Member { label: j, facets: dual.rays_unless(|| budget.poll())? });
     }
     match Family::new(&members, &|_| true).cover((0..n).map(unit).collect(), budget)? {
         Covering::Covered(steps) => Ok(PlusPlus::Fails(steps)),

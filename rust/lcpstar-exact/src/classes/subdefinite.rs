@@ -3,36 +3,44 @@
 use super::budget::{Budget, Search};
 use super::definite::negative_direction;
 use crate::cone::Cone;
-use crate::elimination::reduce;
+use crate::elimination::{reduce, reduce_unless};
 use crate::imatrix::{IMatrix, complement, indices};
 use crate::int::{Int, dot, make_primitive};
 
 /// `x` with `x'Ax < 0` where `A'x` has a positive and a negative entry; `None` if A is PSBD. Polynomial: O(n^5).
 ///
 /// For columns `a_i, a_j` of A the form must be nonnegative on the wedge `a_i x >= 0 >= a_j x`.
-#[must_use]
-pub fn subdefinite_violation(a: &IMatrix) -> Option<Vec<Int>> {
+///
+/// # Errors
+/// `Stopped` by the budget.
+pub fn subdefinite_violation(a: &IMatrix, budget: &Budget<'_>) -> Search<Option<Vec<Int>>> {
     let s = a.symmetric_part();
-    let direction = negative_direction(&s, false)?;
+    let Some(direction) = negative_direction(&s, false, budget)? else { return Ok(None) };
     let n = a.rows();
     let column = |j: usize| (0..n).map(|i| a.at(i, j).clone()).collect::<Vec<_>>();
     for i in 0..n {
         for j in (0..n).filter(|&j| j != i) {
-            if let Some(mut x) = wedge_violation(&s, &column(i), &column(j), &direction) {
+            if let Some(mut x) = wedge_violation(&s, &column(i), &column(j), &direction, budget)? {
                 make_primitive(&mut x);
-                return Some(x);
+                return Ok(Some(x));
             }
         }
     }
-    None
+    Ok(None)
 }
 
 /// `x` with `c x > 0 > d x` and `x'Sx < 0`, given some `direction` where the form is negative.
-fn wedge_violation(s: &IMatrix, c: &[Int], d: &[Int], direction: &[Int]) -> Option<Vec<Int>> {
+fn wedge_violation(
+    s: &IMatrix,
+    c: &[Int],
+    d: &[Int],
+    direction: &[Int],
+    budget: &Budget<'_>,
+) -> Search<Option<Vec<Int>>> {
     let n = c.len();
     let rows = IMatrix::new(2, n, [c, d].concat());
     let reduced = reduce(rows, n);
-    match reduced.pivots() {
+    Ok(match reduced.pivots() {
         &[a, b] => {
             // p: c p > 0, d p = 0;  q: c q = 0, d q < 0.
             let delta = Int::cross(&c[a], &d[b], &c[b], &d[a], &Int::ONE).sign();
@@ -41,7 +49,7 @@ fn wedge_violation(s: &IMatrix, c: &[Int], d: &[Int], direction: &[Int]) -> Opti
             (p[a], p[b]) = (signed(&d[b], 1), signed(&d[a], -1));
             let mut q = vec![Int::ZERO; n];
             (q[a], q[b]) = (signed(&c[b], 1), signed(&c[a], -1));
-            quadrant_violation(s, p, q, &reduced.null_space(n))
+            quadrant_violation(s, p, q, &reduced.null_space(n), budget)?
         }
         [_] if (dot(c, d)).sign() < 0 => {
             // Opposite columns: the wedge is a half space, and x or -x is in it.
@@ -54,23 +62,30 @@ fn wedge_violation(s: &IMatrix, c: &[Int], d: &[Int], direction: &[Int]) -> Opti
             })
         }
         _ => None,
-    }
+    })
 }
 
 /// `u p + v q + W y` with `u, v > 0` where the form is negative.
-fn quadrant_violation(s: &IMatrix, p: Vec<Int>, q: Vec<Int>, w: &[Vec<Int>]) -> Option<Vec<Int>> {
+fn quadrant_violation(
+    s: &IMatrix,
+    p: Vec<Int>,
+    q: Vec<Int>,
+    w: &[Vec<Int>],
+    budget: &Budget<'_>,
+) -> Search<Option<Vec<Int>>> {
     let k = w.len();
     let base = add(&p, &q);
-    let on_w = IMatrix::from_fn(k, k + 2, |i, j| match j {
-        _ if j < k => s.form(&w[i], &w[j]),
-        _ if j == k => -&s.form(&w[i], &p),
-        _ => -&s.form(&w[i], &q),
-    });
-    let square = on_w.block(&(0..k).collect::<Vec<_>>(), &(0..k).collect::<Vec<_>>());
-    if let Some(y) = negative_direction(&square, false) {
-        return Some(push(s, &combine(w, &y), &base));
+    let mut entries = Vec::with_capacity(k * (k + 2));
+    for x in w {
+        budget.poll_each()?;
+        entries.extend(w.iter().map(|y| s.form(x, y)).chain([-&s.form(x, &p), -&s.form(x, &q)]));
     }
-    let reduced = reduce(on_w, k);
+    let on_w = IMatrix::new(k, k + 2, entries);
+    let square = on_w.block(&(0..k).collect::<Vec<_>>(), &(0..k).collect::<Vec<_>>());
+    if let Some(y) = negative_direction(&square, false, budget)? {
+        return Ok(Some(push(s, &combine(w, &y), &base)));
+    }
+    let reduced = reduce_unless(on_w, k, || budget.poll())?;
     for y in reduced.null_space(k) {
         // The form is linear along the kernel direction x: if it moves at all, it goes to minus infinity.
         let x = combine(w, &y);
@@ -80,15 +95,16 @@ fn quadrant_violation(s: &IMatrix, p: Vec<Int>, q: Vec<Int>, w: &[Vec<Int>]) -> 
         }
         let start = if (&along_p + &along_q).is_zero() { add(&base, &q) } else { base };
         let x = if s.form(&x, &start).sign() > 0 { x.iter().map(|v| -v).collect() } else { x };
-        return Some(push(s, &x, &start));
+        return Ok(Some(push(s, &x, &start)));
     }
     // Schur complement: move p and q by the minimisers over W, then a 2 x 2 form must be copositive.
-    let (yp, tp) = reduced.particular(k, k)?;
-    let (yq, tq) = reduced.particular(k, k + 1)?;
+    let (Some((yp, tp)), Some((yq, tq))) = (reduced.particular(k, k), reduced.particular(k, k + 1)) else {
+        return Ok(None);
+    };
     let p = add(&scale(&p, &tp), &combine_or_zero(w, &yp, s.rows()));
     let q = add(&scale(&q, &tq), &combine_or_zero(w, &yq, s.rows()));
     let (alpha, beta, delta) = (s.form(&p, &p), s.form(&p, &q), s.form(&q, &q));
-    if alpha.sign() < 0 {
+    Ok(if alpha.sign() < 0 {
         Some(push(s, &p, &q))
     } else if delta.sign() < 0 {
         Some(push(s, &q, &p))
@@ -98,7 +114,7 @@ fn quadrant_violation(s: &IMatrix, p: Vec<Int>, q: Vec<Int>, w: &[Vec<Int>]) -> 
         Some(push(s, &p, &q))
     } else {
         Some(add(&scale(&p, &-&beta), &scale(&q, &alpha)))
-    }
+    })
 }
 
 /// `t x + y` for the first power of two t that makes the form negative; the form goes to minus infinity along x.
@@ -140,7 +156,7 @@ fn combine_or_zero(w: &[Vec<Int>], y: &[Int], n: usize) -> Vec<Int> {
 pub fn pseudomonotone_violation(a: &IMatrix, budget: &Budget<'_>) -> Search<Option<(Vec<Int>, Vec<Int>)>> {
     let n = a.rows();
     let negative_part = |z: &[Int]| z.iter().map(|v| if v.sign() < 0 { -v } else { Int::ZERO }).collect::<Vec<_>>();
-    if let Some(z) = subdefinite_violation(a) {
+    if let Some(z) = subdefinite_violation(a, budget)? {
         // Reach c x = 0, or just above c (x + z): push x along an entry of c with the sign that is needed.
         let c = a.transpose_times(&z);
         let x = negative_part(&z);
@@ -168,7 +184,7 @@ pub fn pseudomonotone_violation(a: &IMatrix, budget: &Budget<'_>) -> Search<Opti
         for i in indices(complement(beta, n)) {
             cone.nonnegative(column(i).iter().map(|v| -v).collect());
         }
-        let z = cone.rays().iter().fold(vec![Int::ZERO; n], |sum, ray| add(&sum, ray));
+        let z = cone.rays_unless(|| budget.poll())?.iter().fold(vec![Int::ZERO; n], |sum, ray| add(&sum, ray));
         if a.form(&z, &z).sign() < 0 {
             let x = negative_part(&z);
             let y = add(&x, &z);

@@ -26,7 +26,7 @@ pub fn violation(a: &IMatrix, budget: &Budget<'_>) -> Search<Option<Vec<Int>>> {
         }
         for signs in 0..1u64 << (alpha.len() - 1) {
             budget.poll()?;
-            if let Some(x) = with_signs(&block, signs << 1) {
+            if let Some(x) = with_signs(&block, signs << 1, budget)? {
                 return Ok(Some(embed(&x, &alpha, n)));
             }
         }
@@ -37,7 +37,7 @@ pub fn violation(a: &IMatrix, budget: &Budget<'_>) -> Search<Option<Vec<Int>>> {
 /// A violation whose entry i is `<= 0` where `signs` has bit i and `>= 0` elsewhere.
 ///
 /// The sum of the rays of `{y >= 0, By <= 0}` has the largest support and the most rows negative.
-fn with_signs(block: &IMatrix, signs: u64) -> Option<Vec<Int>> {
+fn with_signs(block: &IMatrix, signs: u64, budget: &Budget<'_>) -> Search<Option<Vec<Int>>> {
     let k = block.rows();
     let negative = |i: usize| signs >> i & 1 == 1;
     let mut cone = Cone::orthant(k);
@@ -47,12 +47,12 @@ fn with_signs(block: &IMatrix, signs: u64) -> Option<Vec<Int>> {
         );
     }
     let mut x = vec![Int::ZERO; k];
-    for ray in cone.rays() {
+    for ray in cone.rays_unless(|| budget.poll())? {
         for i in 0..k {
             x[i] = if negative(i) { &x[i] - &ray[i] } else { &x[i] + &ray[i] };
         }
     }
     make_primitive(&mut x);
     let image = block.times(&x);
-    (0..k).any(|i| x[i].sign() * image[i].sign() < 0).then_some(x)
+    Ok((0..k).any(|i| x[i].sign() * image[i].sign() < 0).then_some(x))
 }

@@ -23,7 +23,7 @@ pub fn visit<T>(
     budget.begin((1u64 << n.min(63)) - 1);
     for mask in by_size(n) {
         budget.step()?;
-        for x in piece(a, mask) {
+        for x in piece(a, mask, budget)? {
             if let ControlFlow::Break(found) = ray(x) {
                 return Ok(Some(found));
             }
@@ -33,13 +33,13 @@ pub fn visit<T>(
 }
 
 /// Rays of the piece of `mask` whose support is all of it.
-fn piece(a: &IMatrix, mask: u64) -> Vec<Vec<Int>> {
+fn piece(a: &IMatrix, mask: u64, budget: &Budget<'_>) -> Search<Vec<Vec<Int>>> {
     let (n, alpha, rest) = (a.rows(), indices(mask), indices(complement(mask, a.rows())));
     let k = alpha.len();
     let mut basis = reduce(a.principal(&alpha), k).null_space(k);
     let outside = |x: &[Int]| a.block(&rest, &alpha).times(x).iter().all(|v| v.sign() >= 0);
     let rays = match basis.len() {
-        0 => return Vec::new(),
+        0 => return Ok(Vec::new()),
         1 => {
             let mut x = basis.swap_remove(0);
             if x[0].sign() < 0 {
@@ -55,10 +55,10 @@ fn piece(a: &IMatrix, mask: u64) -> Vec<Vec<Int>> {
             for row in &rest {
                 cone.nonnegative(a.block(&[*row], &alpha).entries().to_vec());
             }
-            cone.rays()
+            cone.rays_unless(|| budget.poll())?
         }
     };
-    rays.into_iter().filter(|x| x.iter().all(|v| v.sign() > 0)).map(|x| embed(&x, &alpha, n)).collect()
+    Ok(rays.into_iter().filter(|x| x.iter().all(|v| v.sign() > 0)).map(|x| embed(&x, &alpha, n)).collect())
 }
 
 /// A ray of SOL(0, A), if A is not in R0.
@@ -90,7 +90,7 @@ pub fn regularity_violation(a: &IMatrix, budget: &Budget<'_>) -> Search<Option<(
         };
         alpha.iter().for_each(|&i| cone.zero(row(i)));
         rest.iter().for_each(|&i| cone.nonnegative(row(i)));
-        if let Some(ray) = cone.rays().into_iter().next() {
+        if let Some(ray) = cone.rays_unless(|| budget.poll())?.into_iter().next() {
             return Ok(Some((embed(&ray[..k], &alpha, n), ray[k].clone())));
         }
     }

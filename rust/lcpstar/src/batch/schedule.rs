@@ -2,6 +2,7 @@
 
 use super::alone::Alone;
 use super::{Output, Problems, Settings};
+use crate::control::in_threads;
 use crate::error::{LcpError, Result};
 use lcpstar_kernels::batch::work::{Chunk, work};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -35,10 +36,13 @@ pub fn solve_batch(problems: &Problems<'_>, settings: &Settings<'_>, output: Out
         Some(Chunk { first: first - problems_here, output: head })
     }));
     let stopped = AtomicBool::new(false);
-    let next = || {
+    let look = || {
         if settings.interrupted.is_some_and(|asked| asked()) {
             stopped.store(true, Ordering::Relaxed);
         }
+    };
+    let next = || {
+        look();
         if stopped.load(Ordering::Relaxed) {
             return None;
         }
@@ -60,14 +64,7 @@ pub fn solve_batch(problems: &Problems<'_>, settings: &Settings<'_>, output: Out
         }
         result
     };
-    std::thread::scope(|scope| {
-        let others: Vec<_> = (0..helpers).map(|_| scope.spawn(run)).collect();
-        let own = run();
-        others.into_iter().map(|thread| thread.join()).fold(own, |first, result| match result {
-            Ok(result) => earlier(first, result),
-            Err(panic) => std::panic::resume_unwind(panic),
-        })
-    })?;
+    in_threads(helpers, run, look).into_iter().fold(Ok(()), earlier)?;
     Ok(!stopped.load(Ordering::Relaxed))
 }
 

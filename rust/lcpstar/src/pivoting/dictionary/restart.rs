@@ -111,7 +111,8 @@ mod tests {
         let a = vec![0.0, 1.0, 1.0, 2.0, 0.0, 1.0, -1.0, -1.0, 0.0];
         let lcp = Lcp::new(3, a, vec![1.0, 2.0, 3.0]).expect("valid");
         for alpha in [vec![], vec![0, 1], vec![1, 2], vec![0, 1, 2]] {
-            let transform = principal_pivot_transform(&lcp, &alpha).expect("nonsingular");
+            let transform = principal_pivot_transform(&lcp, &alpha, &Control::default());
+            let transform = transform.expect("nonsingular").expect("not stopped");
             let mut dictionary = Dictionary::<Dd>::new(&lcp, &[0.0; 3]);
             assert_eq!(dictionary.pivot_to(&alpha, &Control::default()), Ok(alpha.clone()));
             dictionary.restart(|_| 1.0);
