@@ -65,7 +65,7 @@ impl Crisscross<'_> {
     /// basic variable and the least ratio, another step the least index for both.
     fn step(&mut self, dual_simplex: bool, stop: &dyn Fn() -> bool) -> Result<Option<Feasibility>, Unsolved> {
         let (lcp, n, k) = (self.lcp, self.lcp.n(), self.rho.len());
-        let block = Block::new(k, |i, j| lcp.row(self.rho[i])[self.beta[j]])?;
+        let block = Block::new(k, |i, j| lcp.row(self.rho[i])[self.beta[j]], stop)?;
         let z = block.solve(&scaled(self.rho.iter().map(|&i| -lcp.q()[i])), stop)?;
         let Some(leaving) = self.leaving(&z, dual_simplex) else {
             let mut numerators = vec![BigInt::zero(); n];
@@ -75,7 +75,7 @@ impl Crisscross<'_> {
             return Ok(Some(Feasibility::Feasible(RationalVec { numerators, denominator: z.denominator })));
         };
         // The row of the leaving variable: x = q'y + (A'y)_N z_N - y_rho w_rho, from one transposed solve.
-        let transposed = Block::new(k, |i, j| lcp.row(self.rho[j])[self.beta[i]])?;
+        let transposed = Block::new(k, |i, j| lcp.row(self.rho[j])[self.beta[i]], stop)?;
         let rhs = self.beta.iter().map(|&j| match leaving {
             Var::W(i) => lcp.row(i)[j],
             Var::Z(i) => f64::from(u8::from(i == j)),

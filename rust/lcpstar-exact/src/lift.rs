@@ -34,7 +34,7 @@ impl Block {
                 }
                 lift.step();
             }
-            if let Some((numerators, denominator)) = lift.reconstruct(rhs_bits) {
+            if let Some((numerators, denominator)) = lift.reconstruct(rhs_bits, stop) {
                 let v = numerators
                     .into_iter()
                     .zip(&self.column_exponent)
@@ -127,8 +127,8 @@ impl<'a> Lift<'a> {
     }
 
     /// Numerators and their denominator, proved by size: `K' num = den b'` holds modulo `p^m` and both sides are
-    /// smaller than half of it.
-    pub(super) fn reconstruct(&self, rhs_bits: u64) -> Option<(Vec<BigInt>, BigInt)> {
+    /// smaller than half of it. `None` without enough digits, or when `stop` says so before a numerator.
+    pub(super) fn reconstruct(&self, rhs_bits: u64, stop: &dyn Fn() -> bool) -> Option<(Vec<BigInt>, BigInt)> {
         let order = self.block.order;
         let p = self.block.prime.value();
         let powers = PowerTree::new(p, self.digits.len());
@@ -146,7 +146,8 @@ impl<'a> Lift<'a> {
         [fits.min(self.digits.len()), self.digits.len()].into_iter().find_map(|count| {
             let modulus = BigInt::from(p).pow(count as u32);
             let longest = modulus.bits().saturating_sub(margin + 1);
-            let (numerators, denominator) = self.numerators(count, &powers, &modulus, denominator.clone(), longest)?;
+            let (numerators, denominator) =
+                self.numerators(count, &powers, &modulus, denominator.clone(), longest, stop)?;
             let proved = denominator.bits() + rhs_bits + 2 < modulus.bits();
             proved.then_some((numerators, denominator))
         })
@@ -161,11 +162,15 @@ impl<'a> Lift<'a> {
         modulus: &BigInt,
         mut denominator: BigInt,
         longest: u64,
+        stop: &dyn Fn() -> bool,
     ) -> Option<(Vec<BigInt>, BigInt)> {
         let half = modulus >> 1;
         let mut numerators: Vec<BigInt> = Vec::with_capacity(self.block.order);
         let mut digits = vec![0u128; count];
         for j in 0..self.block.order {
+            if stop() {
+                return None;
+            }
             for (d, x) in digits.iter_mut().zip(&self.digits) {
                 *d = u128::from(x[j]);
             }

@@ -103,13 +103,13 @@ pub struct ModularLu {
 }
 
 impl ModularLu {
-    /// Factors the row-major `a`; `None` when it is singular modulo `p`. k^3 / 3.
+    /// Factors the row-major `a`; `None` when it is singular modulo `p`, or told to stop. k^3 / 3.
     #[must_use]
-    pub fn new(prime: Prime, order: usize, mut a: Vec<u64>) -> Option<Self> {
+    pub fn new(prime: Prime, order: usize, mut a: Vec<u64>, stop: &dyn Fn() -> bool) -> Option<Self> {
         let mut rows: Vec<usize> = (0..order).collect();
         let mut inverse_diagonal = Vec::with_capacity(order);
         for k in 0..order {
-            let pivot = (k..order).find(|&i| a[i * order + k] != 0)?;
+            let pivot = (k..order).find(|&i| a[i * order + k] != 0).filter(|_| !stop())?;
             if pivot != k {
                 rows.swap(k, pivot);
                 let (upper, lower) = a.split_at_mut(pivot * order);
@@ -153,12 +153,19 @@ fn subtract_multiple(prime: Prime, row: &mut [u64], factor: u64, pivot_row: &[u6
 
 /// Rows and columns of a nonsingular submatrix of full rank modulo `p` (row-major `a`).
 ///
-/// Rows are taken in order, for each the first column of `preference` that still has a nonzero entry.
+/// Rows are taken in order, for each the first column of `preference` that still has a nonzero entry; those found so far when
+/// `stop` says so.
 #[must_use]
-pub fn independent(prime: Prime, columns: usize, mut a: Vec<u64>, preference: &[usize]) -> (Vec<usize>, Vec<usize>) {
+pub fn independent(
+    prime: Prime,
+    columns: usize,
+    mut a: Vec<u64>,
+    preference: &[usize],
+    stop: &dyn Fn() -> bool,
+) -> (Vec<usize>, Vec<usize>) {
     let m = a.len().checked_div(columns).unwrap_or(0);
     let (mut basis_rows, mut basis_columns) = (Vec::new(), Vec::new());
-    for i in 0..m {
+    for i in (0..m).take_while(|_| !stop()) {
         let Some(&column) = preference.iter().find(|&&j| a[i * columns + j] != 0) else {
             continue;
         };
@@ -197,6 +204,6 @@ mod tests {
     #[test]
     fn a_dependent_row_and_a_dependent_column_are_left_out() {
         let a = vec![1, 2, 3, 2, 4, 6, 0, 1, 1];
-        assert_eq!(independent(PRIMES[0], 3, a, &[2, 1, 0]), (vec![0, 2], vec![2, 1]));
+        assert_eq!(independent(PRIMES[0], 3, a, &[2, 1, 0], &|| false), (vec![0, 2], vec![2, 1]));
     }
 }

@@ -51,8 +51,8 @@ impl Block {
     /// Scales and factors the matrix with the given entries.
     ///
     /// # Errors
-    /// `Singular`.
-    pub fn new(order: usize, entry: impl Fn(usize, usize) -> f64) -> Result<Self, Unsolved> {
+    /// `Singular`, or `Interrupted` when `stop` says so before a column is eliminated.
+    pub fn new(order: usize, entry: impl Fn(usize, usize) -> f64, stop: &dyn Fn() -> bool) -> Result<Self, Unsolved> {
         let entries: Vec<Dyadic> = (0..order * order).map(|ij| Dyadic::new(entry(ij / order, ij % order))).collect();
         let (row_exponent, column_exponent) = integer_scaling(order, order, &entries);
         let shift = |i: usize, j: usize| {
@@ -61,7 +61,8 @@ impl Block {
         let prime = PRIMES[0];
         let residues =
             (0..order * order).map(|ij| residue(prime, entries[ij], shift(ij / order, ij % order))).collect();
-        let lu = ModularLu::new(prime, order, residues).ok_or(Unsolved::Singular)?;
+        let unsolved = || if stop() { Unsolved::Interrupted } else { Unsolved::Singular };
+        let lu = ModularLu::new(prime, order, residues, stop).ok_or_else(unsolved)?;
         let mut row_bits = vec![0; order];
         for i in 0..order {
             for j in 0..order {
@@ -148,13 +149,14 @@ pub fn independent_rows_and_columns(
     n: usize,
     entry: impl Fn(usize, usize) -> f64,
     preference: &[usize],
+    stop: &dyn Fn() -> bool,
 ) -> (Vec<usize>, Vec<usize>) {
     let entries: Vec<Dyadic> = (0..m * n).map(|ij| Dyadic::new(entry(ij / n, ij % n))).collect();
     let (r, c) = integer_scaling(m, n, &entries);
     let residues = (0..m * n)
         .map(|ij| residue(PRIMES[0], entries[ij], (i64::from(entries[ij].exponent) + r[ij / n] + c[ij % n]) as u64))
         .collect();
-    independent(PRIMES[0], n, residues, preference)
+    independent(PRIMES[0], n, residues, preference, stop)
 }
 
 #[cfg(test)]
@@ -172,7 +174,7 @@ mod tests {
     }
 
     fn check(n: usize, a: &[f64], b: &[f64]) {
-        let block = Block::new(n, |i, j| a[i * n + j]).expect("nonsingular");
+        let block = Block::new(n, |i, j| a[i * n + j], &|| false).expect("nonsingular");
         let rhs: Vec<Scaled> = b.iter().map(|&x| Scaled::from_f64(x)).collect();
         let x = block.solve(&rhs, &|| false).expect("not interrupted");
         for i in 0..n {
@@ -220,7 +222,7 @@ mod tests {
     /// x = 7 p^6 + 5 looks like 5 in its first digits.
     #[test]
     fn a_guess_from_too_few_digits_is_not_taken() {
-        let block = Block::new(1, |_, _| 1.0).expect("nonsingular");
+        let block = Block::new(1, |_, _| 1.0, &|| false).expect("nonsingular");
         let value: BigInt = BigInt::from(block.prime.value()).pow(6) * 7u32 + 5u32;
         let x = block.solve(&[Scaled { value: value.clone(), exponent: 0 }], &|| false).expect("not interrupted");
         assert_eq!(x.numerators[0], value * &x.denominator);
@@ -228,12 +230,12 @@ mod tests {
 
     #[test]
     fn a_singular_block_is_called_singular() {
-        assert_eq!(Block::new(2, |_, _| 0.1).err(), Some(Unsolved::Singular));
+        assert_eq!(Block::new(2, |_, _| 0.1, &|| false).err(), Some(Unsolved::Singular));
     }
 
     #[test]
     fn an_interrupt_is_obeyed() {
-        let block = Block::new(1, |_, _| 3.0).expect("nonsingular");
+        let block = Block::new(1, |_, _| 3.0, &|| false).expect("nonsingular");
         assert_eq!(block.solve(&[Scaled::from_f64(1.0)], &|| true).err(), Some(Unsolved::Interrupted));
     }
 }

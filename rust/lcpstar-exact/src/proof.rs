@@ -55,7 +55,7 @@ pub enum ProofOutcome {
 /// row that they cannot decide.
 #[must_use]
 pub fn prove_solution(lcp: Problem<'_>, alpha: &[usize], stop: &dyn Fn() -> bool) -> ProofOutcome {
-    let block = Block::new(alpha.len(), |i, j| lcp.row(alpha[i])[alpha[j]]);
+    let block = Block::new(alpha.len(), |i, j| lcp.row(alpha[i])[alpha[j]], stop);
     let rhs: Vec<Scaled> = alpha.iter().map(|&i| Scaled::from_f64(-lcp.q()[i])).collect();
     match block.and_then(|block| block.solve(&rhs, stop)) {
         Ok(part) => conclude(lcp, alpha, spread(lcp.n(), alpha, part), true),

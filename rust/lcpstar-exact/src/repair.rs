@@ -35,7 +35,7 @@ pub enum Repaired {
 pub fn repair(lcp: Problem<'_>, alpha: &[usize], stop: &dyn Fn() -> bool) -> Repaired {
     let k = alpha.len();
     let order: Vec<usize> = (0..k).collect();
-    let (rows, _) = independent_rows_and_columns(k, k, |i, j| lcp.row(alpha[i])[alpha[j]], &order);
+    let (rows, _) = independent_rows_and_columns(k, k, |i, j| lcp.row(alpha[i])[alpha[j]], &order, stop);
     let cut: Vec<usize> = rows.iter().map(|&r| alpha[r]).collect();
     match Path::new(lcp, &cut).follow(stop) {
         Err(Unsolved::Interrupted) => Repaired::Interrupted,
@@ -87,7 +87,7 @@ impl<'a> Path<'a> {
     }
 
     fn follow(mut self, stop: &dyn Fn() -> bool) -> Result<Repaired, Unsolved> {
-        let block = self.block()?;
+        let block = self.block(stop)?;
         let x = self.basic(&block, &Column::Q, stop)?;
         let Some(worst) = self.first_leaving(&x) else {
             return Ok(Repaired::Solved(self.solution(&x.0, x.1), 0));
@@ -97,7 +97,7 @@ impl<'a> Path<'a> {
         self.drop_basic(left);
         let mut pivots = 1;
         while let Some(driving) = left.complement() {
-            let block = self.block()?;
+            let block = self.block(stop)?;
             let (x, _) = self.basic(&block, &Column::Q, stop)?;
             let (direction, denominator) = self.basic(&block, &Column::Of(driving), stop)?;
             let Some(blocking) = self.blocking(&block, &x, &direction, stop)? else {
@@ -112,7 +112,7 @@ impl<'a> Path<'a> {
             pivots += 1;
             left = blocking;
         }
-        let (x, denominator) = self.basic(&self.block()?, &Column::Q, stop)?;
+        let (x, denominator) = self.basic(&self.block(stop)?, &Column::Q, stop)?;
         Ok(Repaired::Solved(self.solution(&x, denominator), pivots))
     }
 
@@ -125,20 +125,24 @@ impl<'a> Path<'a> {
     }
 
     /// `[A_rho,beta | d]`; the parts of d are columns of their own, tied together by rows `part_1 - part_t = 0`.
-    fn block(&self) -> Result<Block, Unsolved> {
+    fn block(&self, stop: &dyn Fn() -> bool) -> Result<Block, Unsolved> {
         let (k, r) = (self.beta.len(), self.rho.len());
         let order = k + if self.with_z0 { self.d.len() } else { 0 };
-        Block::new(order, |i, j| {
-            if i < r {
-                if j < k { self.lcp.row(self.rho[i])[self.beta[j]] } else { self.d[j - k][self.rho[i]] }
-            } else if j == k {
-                1.0
-            } else if j == k + 1 + (i - r) {
-                -1.0
-            } else {
-                0.0
-            }
-        })
+        Block::new(
+            order,
+            |i, j| {
+                if i < r {
+                    if j < k { self.lcp.row(self.rho[i])[self.beta[j]] } else { self.d[j - k][self.rho[i]] }
+                } else if j == k {
+                    1.0
+                } else if j == k + 1 + (i - r) {
+                    -1.0
+                } else {
+                    0.0
+                }
+            },
+            stop,
+        )
     }
 
     /// The basic variables for the right-hand side q, the perturbation q^(j), or the direction of a driving

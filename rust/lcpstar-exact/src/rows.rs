@@ -21,7 +21,10 @@ impl Rows<'_> {
         let n = v.len();
         let mut preference: Vec<usize> = (0..n).collect();
         preference.sort_by(|&i, &j| v[j].total_cmp(&v[i]));
-        let (rows, columns) = independent_rows_and_columns(self.count, n, self.entry, &preference);
+        let (rows, columns) = independent_rows_and_columns(self.count, n, self.entry, &preference, stop);
+        if stop() {
+            return Err(Unsolved::Interrupted);
+        }
         let rank = rows.len();
         let mut basic = vec![false; n];
         for &j in &columns {
@@ -39,7 +42,7 @@ impl Rows<'_> {
                 Scaled { value: sum.value, exponent: sum.exponent - scale }
             })
             .collect();
-        let block = Block::new(rank, |i, j| (self.entry)(rows[i], columns[j]))?;
+        let block = Block::new(rank, |i, j| (self.entry)(rows[i], columns[j]), stop)?;
         let solved = block.solve(&rhs, stop)?;
         let numerators: Vec<BigInt> = fixed.numerators.iter().map(|x| x * &solved.denominator).collect();
         let mut out = RationalVec { numerators, denominator: &fixed.denominator * &solved.denominator };

@@ -74,7 +74,7 @@ fn entry(lcp: Problem<'_>, transposed: bool, i: usize, j: usize) -> f64 {
 
 /// `z` with `A[alpha, alpha] z_alpha = -q_alpha`, zero elsewhere.
 fn basic_point(lcp: Problem<'_>, alpha: &[usize], stop: &dyn Fn() -> bool) -> Option<RationalVec> {
-    let block = Block::new(alpha.len(), |i, j| lcp.row(alpha[i])[alpha[j]]).ok()?;
+    let block = Block::new(alpha.len(), |i, j| lcp.row(alpha[i])[alpha[j]], stop).ok()?;
     let rhs: Vec<Scaled> = alpha.iter().map(|&i| Scaled::from_f64(-lcp.q()[i])).collect();
     let part = block.solve(&rhs, stop).ok()?;
     let mut z = RationalVec { numerators: vec![BigInt::zero(); lcp.n()], denominator: part.denominator };
@@ -94,7 +94,7 @@ fn direction(
 ) -> Option<RationalVec> {
     let (of_image, of_z): (Vec<_>, Vec<_>) =
         values.iter().map(|&(i, v)| (i, BigInt::from(v))).partition(|(i, _)| alpha.contains(i));
-    let block = Block::new(alpha.len(), |i, j| entry(alpha[i], alpha[j])).ok()?;
+    let block = Block::new(alpha.len(), |i, j| entry(alpha[i], alpha[j]), stop).ok()?;
     let one = BigInt::one();
     let rhs: Vec<Scaled> = alpha
         .iter()

@@ -276,14 +276,20 @@ fn exact_vector<'g>(lcp: &Lcp, seen: &[usize], g: &'g Generator) -> Result<&'g R
     let rows: Vec<usize> = seen.iter().copied().filter(|&i| g.w_support >> i & 1 == 0).collect();
     let entry = |i: usize, j: usize| if j == n { lcp.q()[i] } else { lcp.row(i)[j] };
     let preference: Vec<usize> = (0..support.len()).collect();
-    let (independent, basic) =
-        independent_rows_and_columns(rows.len(), support.len(), |i, j| entry(rows[i], support[j]), &preference);
+    let (independent, basic) = independent_rows_and_columns(
+        rows.len(),
+        support.len(),
+        |i, j| entry(rows[i], support[j]),
+        &preference,
+        &|| false,
+    );
     let failed = Termination::Breakdown("a generator is not determined by its zeros modulo a prime");
     let free = preference.iter().copied().find(|j| !basic.contains(j)).ok_or(failed)?;
     if basic.len() + 1 != support.len() {
         return Err(failed);
     }
-    let block = Block::new(basic.len(), |i, j| entry(rows[independent[i]], support[basic[j]])).map_err(|_| failed)?;
+    let block = Block::new(basic.len(), |i, j| entry(rows[independent[i]], support[basic[j]]), &|| false)
+        .map_err(|_| failed)?;
     let rhs: Vec<Scaled> = independent.iter().map(|&i| Scaled::from_f64(-entry(rows[i], support[free]))).collect();
     let solved = block.solve(&rhs, &|| false).map_err(|_| failed)?;
     let mut numerators = vec![BigInt::zero(); n + 1];

@@ -124,7 +124,7 @@ mod tests {
             let mut expected = 0;
             for mask in 0..1usize << n {
                 let alpha: Vec<usize> = (0..n).filter(|i| mask >> i & 1 == 1).collect();
-                let block = crate::exact::padic::Block::new(alpha.len(), |i, j| lcp.row(alpha[i])[alpha[j]]);
+                let block = crate::exact::padic::Block::new(alpha.len(), |i, j| lcp.row(alpha[i])[alpha[j]], &|| false);
                 if let (Ok(_), ProofOutcome::Proved(s)) = (block, prove_solution(lcp.view(), &alpha, &|| false)) {
                     assert!(inside(&s.z), "n = {n}, alpha = {alpha:?}");
                     expected += 1;
