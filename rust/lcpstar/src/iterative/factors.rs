@@ -6,10 +6,10 @@ use crate::sparse::SparseLcp;
 
 /// One factorisation at a time; a new one replaces the last. Each allocates what it needs.
 pub trait Factors {
-    /// Factors `A[alpha, alpha] + shift I`. `false` when that fails.
-    fn on_support(&mut self, alpha: &[usize], shift: f64) -> bool;
-    /// Factors `A + diag(d)`. `false` when that fails.
-    fn shifted(&mut self, d: &[f64]) -> bool;
+    /// Factors `A[alpha, alpha] + shift I`. `false` when that fails, or when `stop` says so before it begins.
+    fn on_support(&mut self, alpha: &[usize], shift: f64, stop: &dyn Fn() -> bool) -> bool;
+    /// Factors `A + diag(d)`. `false` as there.
+    fn shifted(&mut self, d: &[f64], stop: &dyn Fn() -> bool) -> bool;
     /// Replaces `x`, of full length, by the solution; off the support `x` is ignored and becomes 0.
     fn solve(&mut self, x: &mut [f64]);
 }
@@ -43,7 +43,10 @@ impl<'a> DenseFactors<'a> {
 }
 
 impl Factors for DenseFactors<'_> {
-    fn on_support(&mut self, alpha: &[usize], shift: f64) -> bool {
+    fn on_support(&mut self, alpha: &[usize], shift: f64, stop: &dyn Fn() -> bool) -> bool {
+        if stop() {
+            return false;
+        }
         let m = alpha.len();
         let mut rows = crate::pivoting::basis::principal_block(self.lcp, alpha);
         (0..m).for_each(|k| rows[k * m + k] += shift);
@@ -54,7 +57,10 @@ impl Factors for DenseFactors<'_> {
         self.block.is_some()
     }
 
-    fn shifted(&mut self, d: &[f64]) -> bool {
+    fn shifted(&mut self, d: &[f64], stop: &dyn Fn() -> bool) -> bool {
+        if stop() {
+            return false;
+        }
         let (n, a) = (self.lcp.n(), self.lcp.a());
         self.on_block = false;
         self.whole.get_or_insert_with(|| ShiftedFactor::new(n, Structure::of(n, a))).factor(a, d)
@@ -77,13 +83,12 @@ impl Factors for DenseFactors<'_> {
     }
 }
 
-/// Sparse Cholesky of a symmetric A where it exists, LU otherwise; each ordering is found once.
+/// Sparse Cholesky of a symmetric A where it exists, LU otherwise; each ordering is found once, when it is first needed.
 pub struct SparseFactors {
     n: usize,
     entries: Vec<(usize, usize, f64)>,
-    /// Of a symmetric A.
+    symmetric: bool,
     cholesky: Option<SparseFactor>,
-    /// Made when it is first needed.
     lu: Option<SparseFactor>,
     by_lu: bool,
     d: Vec<f64>,
@@ -95,29 +100,38 @@ pub struct SparseFactors {
 const OUTSIDE: f64 = 1e40;
 
 impl SparseFactors {
-    /// Finds an ordering. `None` when the matrix is too large to index.
+    /// Nothing is factored yet.
     #[must_use]
-    pub fn new(lcp: &SparseLcp, symmetric: bool) -> Option<Self> {
+    pub fn new(lcp: &SparseLcp, symmetric: bool) -> Self {
         let n = lcp.n();
         let entries: Vec<_> =
             (0..n).flat_map(|i| lcp.row(i).0.iter().zip(lcp.row(i).1).map(move |(&j, &a)| (i, j, a))).collect();
-        let first = SparseFactor::new(n, &entries, symmetric)?;
-        let (cholesky, lu) = if symmetric { (Some(first), None) } else { (None, Some(first)) };
         let (d, outside) = (vec![0.0; n], vec![false; n]);
-        Some(Self { n, entries, cholesky, lu, by_lu: false, d, outside, restricted: false })
+        Self { n, entries, symmetric, cholesky: None, lu: None, by_lu: false, d, outside, restricted: false }
     }
 
-    fn factor(&mut self) -> bool {
-        self.by_lu = !self.cholesky.as_mut().is_some_and(|factor| factor.factor(&self.d));
-        if self.by_lu && self.lu.is_none() {
-            self.lu = SparseFactor::new(self.n, &self.entries, false);
+    fn factor(&mut self, stop: &dyn Fn() -> bool) -> bool {
+        for (factor, is_cholesky) in [(&mut self.cholesky, true), (&mut self.lu, false)] {
+            if is_cholesky && !self.symmetric {
+                continue;
+            }
+            self.by_lu = !is_cholesky;
+            if factor.is_none() && !stop() {
+                *factor = SparseFactor::new(self.n, &self.entries, is_cholesky);
+            }
+            if stop() {
+                return false;
+            }
+            if factor.as_mut().is_some_and(|factor| factor.factor(&self.d)) {
+                return true;
+            }
         }
-        !self.by_lu || self.lu.as_mut().is_some_and(|factor| factor.factor(&self.d))
+        false
     }
 }
 
 impl Factors for SparseFactors {
-    fn on_support(&mut self, alpha: &[usize], shift: f64) -> bool {
+    fn on_support(&mut self, alpha: &[usize], shift: f64, stop: &dyn Fn() -> bool) -> bool {
         self.d.fill(OUTSIDE);
         self.outside.fill(true);
         for &i in alpha {
@@ -125,13 +139,13 @@ impl Factors for SparseFactors {
             self.outside[i] = false;
         }
         self.restricted = true;
-        self.factor()
+        self.factor(stop)
     }
 
-    fn shifted(&mut self, d: &[f64]) -> bool {
+    fn shifted(&mut self, d: &[f64], stop: &dyn Fn() -> bool) -> bool {
         self.d.copy_from_slice(d);
         self.restricted = false;
-        self.factor()
+        self.factor(stop)
     }
 
     fn solve(&mut self, x: &mut [f64]) {
@@ -175,18 +189,18 @@ mod tests {
             let lcp = Lcp::new(n, (0..n * n).map(|k| entry(k / n, k % n)).collect(), vec![1.0; n]).expect("valid");
             let copy = sparse(&lcp);
             let (dense, sparse) = (Dense::new(&lcp), Sparse::new(&copy));
-            for mut factors in [dense.factors(), sparse.factors()].into_iter().flatten() {
+            for mut factors in [dense.factors(), sparse.factors()] {
                 let alpha = [1, 2, 4, 8];
                 let x: Vec<f64> = (0..n).map(|i| if alpha.contains(&i) { 1.0 + i as f64 } else { 0.0 }).collect();
                 let mut b = vec![0.0; n];
                 dense.multiply(&x, &mut b);
-                assert!(factors.on_support(&alpha, 0.0));
+                assert!(factors.on_support(&alpha, 0.0, &|| false));
                 factors.solve(&mut b);
                 assert!(b.iter().zip(&x).all(|(b, x)| (b - x).abs() < 1e-12), "{b:?}");
                 let d: Vec<f64> = (0..n).map(|i| i as f64).collect();
                 dense.multiply(&x, &mut b);
                 b.iter_mut().zip(&d).zip(&x).for_each(|((b, d), x)| *b += d * x);
-                assert!(factors.shifted(&d));
+                assert!(factors.shifted(&d, &|| false));
                 factors.solve(&mut b);
                 assert!(b.iter().zip(&x).all(|(b, x)| (b - x).abs() < 1e-12), "{b:?}");
             }

@@ -23,8 +23,8 @@ pub trait Matrix {
     fn add_column(&self, j: usize, f: f64, w: &mut [f64]);
     /// `A z + q` in twice the working precision, and `|A||z| + |q|`.
     fn slack(&self, z: &[f64]) -> (Vec<f64>, Vec<f64>);
-    /// Factorisations of this matrix. `None` when it is too large to index.
-    fn factors(&self) -> Option<Box<dyn Factors + '_>>;
+    /// Factorisations of this matrix.
+    fn factors(&self) -> Box<dyn Factors + '_>;
 
     /// `y = A x`.
     fn multiply(&self, x: &[f64], y: &mut [f64]) {
@@ -104,8 +104,8 @@ impl Matrix for Dense<'_> {
         residual::slack(self.lcp, z)
     }
 
-    fn factors(&self) -> Option<Box<dyn Factors + '_>> {
-        Some(Box::new(DenseFactors::new(self.lcp, self.is_symmetric())))
+    fn factors(&self) -> Box<dyn Factors + '_> {
+        Box::new(DenseFactors::new(self.lcp, self.is_symmetric()))
     }
 }
 
@@ -205,8 +205,8 @@ impl Matrix for Sparse<'_> {
         self.lcp.slack(z)
     }
 
-    fn factors(&self) -> Option<Box<dyn Factors + '_>> {
-        Some(Box::new(SparseFactors::new(self.lcp, self.symmetric)?))
+    fn factors(&self) -> Box<dyn Factors + '_> {
+        Box::new(SparseFactors::new(self.lcp, self.symmetric))
     }
 }
 

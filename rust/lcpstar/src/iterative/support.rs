@@ -1,6 +1,7 @@
 //! The direct solve on a support: `A[alpha, alpha] z_alpha = -q_alpha`, from a point near by.
 
 use super::{Factors, Matrix};
+use crate::control::Control;
 use crate::linalg::kernels::max_abs;
 
 /// A support and its factorisation.
@@ -9,6 +10,7 @@ use crate::linalg::kernels::max_abs;
 /// in a singular one (a stack of boxes) the part of z in its kernel stays what it was. [PB14, sec. 4.1]
 pub struct Support<'m> {
     factors: Box<dyn Factors + 'm>,
+    control: &'m Control<'m>,
     alpha: Vec<usize>,
     step: Vec<f64>,
 }
@@ -21,11 +23,11 @@ const STEPS: usize = 8;
 const SOLVED: f64 = 1e-6;
 
 impl<'m> Support<'m> {
-    /// `None` when the matrix is too large to index.
+    /// Of a matrix; nothing is factored once `control` says stop.
     #[must_use]
-    pub fn new(matrix: &'m impl Matrix) -> Option<Self> {
+    pub fn new(matrix: &'m impl Matrix, control: &'m Control<'m>) -> Self {
         let n = matrix.n();
-        Some(Self { factors: matrix.factors()?, alpha: Vec::with_capacity(n), step: vec![0.0; n] })
+        Self { factors: matrix.factors(), control, alpha: Vec::with_capacity(n), step: vec![0.0; n] }
     }
 
     /// The index set.
@@ -68,7 +70,8 @@ impl<'m> Support<'m> {
             return true;
         }
         for shift in SHIFTS {
-            if self.factors.on_support(&self.alpha, shift) && self.refine(matrix, z, w) {
+            let stop = || self.control.expired().is_some();
+            if self.factors.on_support(&self.alpha, shift, &stop) && self.refine(matrix, z, w) {
                 return true;
             }
             if !max_abs(z).is_finite() || z.iter().any(|z| z.is_nan()) {
@@ -113,7 +116,8 @@ mod tests {
         // Rank one: z_0 + z_1 = 2, and z_0 - z_1 stays what it was.
         let lcp = Lcp::new(3, vec![1.0, 1.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0, 1.0], vec![-2.0, -2.0, 1.0]).expect("valid");
         let matrix = Dense::new(&lcp);
-        let mut support = Support::new(&matrix).expect("small");
+        let control = Control::default();
+        let mut support = Support::new(&matrix, &control);
         assert_eq!(support.choose(3, |i| i < 2), 2);
         assert_eq!(support.choose(3, |i| i < 2), 0);
         let (mut z, mut w) = (vec![0.7, 0.1, 5.0], vec![0.0; 3]);
@@ -127,7 +131,8 @@ mod tests {
     fn an_inconsistent_block_is_refused() {
         let lcp = Lcp::new(2, vec![1.0, 1.0, 1.0, 1.0], vec![-1.0, -2.0]).expect("valid");
         let matrix = Dense::new(&lcp);
-        let mut support = Support::new(&matrix).expect("small");
+        let control = Control::default();
+        let mut support = Support::new(&matrix, &control);
         support.choose(2, |_| true);
         assert!(!support.solve(&matrix, &mut [0.0; 2], &mut [0.0; 2]));
     }

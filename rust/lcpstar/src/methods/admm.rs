@@ -52,18 +52,15 @@ pub fn admm(
     if best.offer(matrix, &z, &w) {
         return Candidate::point(best.z, Termination::Converged, 0);
     }
-    let (Some(factors), Some(support)) = (matrix.factors(), Support::new(matrix)) else {
-        return Candidate::point(best.z, Termination::Breakdown("the sparse matrix is too large to index"), 0);
-    };
-    let mut splitting = Splitting::new(factors, settings, z, w);
-    let mut polish = Polish::new(support, matrix.n());
+    let mut splitting = Splitting::new(matrix.factors(), settings, z, w);
+    let mut polish = Polish::new(Support::new(matrix, control), matrix.n());
     let mut iterations = 0;
     let termination = loop {
         if let Some(reason) = control.stop(iterations, DEFAULT_MAX_ITERATIONS) {
             break reason;
         }
-        if iterations % LOOK == 0 && !splitting.balance(matrix.q(), iterations == 0) {
-            break Termination::Breakdown("A + rho I could not be factored");
+        if iterations % LOOK == 0 && !splitting.balance(matrix.q(), iterations == 0, control) {
+            break control.expired().unwrap_or(Termination::Breakdown("A + rho I could not be factored"));
         }
         splitting.advance(matrix.q());
         iterations += 1;
@@ -124,7 +121,7 @@ impl<'m> Splitting<'m> {
     }
 
     /// Brings the two residuals, each in proportion to what it is made of, to one size; factors when rho changes.
-    fn balance(&mut self, q: &[f64], first: bool) -> bool {
+    fn balance(&mut self, q: &[f64], first: bool, control: &Control<'_>) -> bool {
         if !first {
             let of_z = max_abs(&self.x).max(max_abs(&self.z)).max(f64::MIN_POSITIVE);
             let of_w = max_abs(q).max(self.rho * max_abs(&self.u));
@@ -141,7 +138,7 @@ impl<'m> Splitting<'m> {
             self.rho = rho;
             self.shift.fill(rho);
         }
-        self.factors.shifted(&self.shift)
+        self.factors.shifted(&self.shift, &|| control.expired().is_some())
     }
 }
 

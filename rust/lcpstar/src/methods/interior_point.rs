@@ -57,7 +57,7 @@ const TAU_VANISHES: f64 = 1e-6;
 pub fn interior_point(lcp: &Lcp, settings: &Settings, control: &Control<'_>) -> Candidate {
     if is_nearly_empty(lcp) {
         let sparse = SparseLcp::from_dense(lcp);
-        if let Some(mut system) = Sparse::of_dense(&sparse, lcp) {
+        if let Some(mut system) = Sparse::new(&sparse, Some(lcp), *control) {
             return run(&mut system, settings, control);
         }
     }
@@ -78,11 +78,11 @@ const SPARSE: usize = 24;
 /// As [`interior_point`] for a sparse A; each iteration costs a sparse factorisation.
 #[must_use]
 pub fn interior_point_sparse(lcp: &SparseLcp, settings: &Settings, control: &Control<'_>) -> Candidate {
-    match Sparse::new(lcp) {
+    match Sparse::new(lcp, None, *control) {
         Some(mut system) => run(&mut system, settings, control),
         None => {
             let reason = Termination::Breakdown("the sparse matrix is too large to index");
-            Candidate::point(vec![0.0; lcp.n()], reason, 0)
+            Candidate::point(vec![0.0; lcp.n()], control.expired().unwrap_or(reason), 0)
         }
     }
 }

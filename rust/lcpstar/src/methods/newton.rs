@@ -47,11 +47,8 @@ pub fn newton(
     if best.offer(matrix, &z, &w) {
         return Candidate::point(best.z, Termination::Converged, 0);
     }
-    let (Some(support), Some(factors)) = (Support::new(matrix), matrix.factors()) else {
-        return Candidate::point(best.z, Termination::Breakdown("the sparse matrix is too large to index"), 0);
-    };
-    let mut path = InteriorPath::new(factors, n);
-    let mut active = ActiveSet::new(support, z, w, settings.patience);
+    let mut path = InteriorPath::new(matrix.factors(), n);
+    let mut active = ActiveSet::new(Support::new(matrix, control), z, w, settings.patience);
     let mut iterations = 0;
     let mut guessing = true;
     let termination = loop {
@@ -66,13 +63,13 @@ pub fn newton(
                 Step::Stalled => guessing = false,
             }
         } else {
-            match path.advance(matrix) {
+            match path.advance(matrix, control) {
                 path::Step::Near => {
                     active.restart(&path.z, &path.w);
                     guessing = true;
                 }
                 path::Step::Far => {}
-                path::Step::Stuck(reason) => break Termination::Breakdown(reason),
+                path::Step::Stuck(reason) => break control.expired().unwrap_or(Termination::Breakdown(reason)),
             }
         }
     };

@@ -45,7 +45,7 @@ pub fn pgs_sm(
     let sweep = Sweep::new(matrix, settings.relaxation);
     let (mut z, mut w) = start(matrix, z0);
     let mut best = Incumbent::new(goal, n);
-    let mut subspace = Subspace::new(matrix, settings.solves);
+    let mut subspace = Subspace::new(matrix, settings.solves, control);
     let (mut iterations, mut round, mut swept) = (0, settings.sweeps, 0);
     let termination = loop {
         if best.offer(matrix, &z, &w) {
@@ -88,7 +88,7 @@ pub fn pgs_sm(
 
 /// The solves of one round and the best projected point among them.
 struct Subspace<'m> {
-    support: Option<Support<'m>>,
+    support: Support<'m>,
     solves: usize,
     z: Vec<f64>,
     w: Vec<f64>,
@@ -100,10 +100,10 @@ struct Subspace<'m> {
 }
 
 impl<'m> Subspace<'m> {
-    fn new(matrix: &'m impl Matrix, solves: usize) -> Self {
+    fn new(matrix: &'m impl Matrix, solves: usize, control: &'m Control<'m>) -> Self {
         let zeros = || vec![0.0; matrix.n()];
         Self {
-            support: Support::new(matrix),
+            support: Support::new(matrix, control),
             solves,
             z: zeros(),
             w: zeros(),
@@ -124,7 +124,7 @@ impl<'m> Subspace<'m> {
         w: &[f64],
     ) -> f64 {
         let mut least = f64::INFINITY;
-        let Some(support) = &mut self.support else { return least };
+        let support = &mut self.support;
         self.z.copy_from_slice(z);
         self.w.copy_from_slice(w);
         for solve in 0..self.solves {

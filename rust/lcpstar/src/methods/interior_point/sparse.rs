@@ -1,6 +1,7 @@
 //! The iteration's linear algebra for a sparse A.
 
 use super::system::{NewtonSystem, Problem};
+use crate::control::Control;
 use crate::linalg::backend::SparseFactor;
 use crate::linalg::dd::{two_prod, two_sum};
 use crate::linalg::kernels::dot_compensated;
@@ -15,23 +16,22 @@ pub struct Sparse<'a> {
     dense: Option<&'a Lcp>,
     factor: SparseFactor,
     symmetric: bool,
+    control: Control<'a>,
 }
 
 impl<'a> Sparse<'a> {
-    /// Finds the ordering. `None` when the matrix is too large to index.
+    /// Finds the ordering; `dense` is the same problem, if there is one. `None` when the matrix is too large to index.
+    ///
+    /// `control` is asked before each ordering and each factorisation of the library, which it cannot stop.
     #[must_use]
-    pub fn new(lcp: &'a SparseLcp) -> Option<Self> {
+    pub fn new(lcp: &'a SparseLcp, dense: Option<&'a Lcp>, control: Control<'a>) -> Option<Self> {
         let entries = block(lcp, &(0..lcp.n()).collect::<Vec<_>>());
-        let symmetric = is_symmetric(&entries);
-        Some(Self { lcp, dense: None, factor: SparseFactor::new(lcp.n(), &entries, symmetric)?, symmetric })
-    }
-
-    /// As [`new`](Self::new) for the entries of a dense problem, whose finish it gets.
-    #[must_use]
-    pub fn of_dense(lcp: &'a SparseLcp, dense: &'a Lcp) -> Option<Self> {
-        let entries = block(lcp, &(0..lcp.n()).collect::<Vec<_>>());
-        let symmetric = dense.is_symmetric();
-        Some(Self { lcp, dense: Some(dense), factor: SparseFactor::new(lcp.n(), &entries, symmetric)?, symmetric })
+        let symmetric = dense.map_or_else(|| is_symmetric(lcp), Lcp::is_symmetric);
+        if control.expired().is_some() {
+            return None;
+        }
+        let factor = SparseFactor::new(lcp.n(), &entries, symmetric)?;
+        Some(Self { lcp, dense, factor, symmetric, control })
     }
 }
 
@@ -48,13 +48,14 @@ fn block(lcp: &SparseLcp, alpha: &[usize]) -> Vec<(usize, usize, f64)> {
     entries
 }
 
-fn is_symmetric(entries: &[(usize, usize, f64)]) -> bool {
-    let key = |&(i, j, a): &(usize, usize, f64)| (i, j, a.to_bits());
-    let mut rows: Vec<_> = entries.iter().filter(|e| e.2 != 0.0).map(key).collect();
-    let mut columns: Vec<_> = rows.iter().map(|&(i, j, a)| (j, i, a)).collect();
-    rows.sort_unstable();
-    columns.sort_unstable();
-    rows == columns
+/// O(nnz log(longest row)).
+fn is_symmetric(lcp: &SparseLcp) -> bool {
+    let entry = |i: usize, j: usize| {
+        let (columns, values) = lcp.row(i);
+        columns.binary_search(&j).map_or(0.0, |k| values[k])
+    };
+    let mirrored = |i: usize| lcp.row(i).0.iter().zip(lcp.row(i).1).all(|(&j, &a)| entry(j, i) == a);
+    (0..lcp.n()).all(mirrored)
 }
 
 impl NewtonSystem for Sparse<'_> {
@@ -123,8 +124,12 @@ impl Problem for Sparse<'_> {
         }
         let alpha: Vec<usize> = (0..self.lcp.n()).filter(|&i| z[i] > w[i]).collect();
         let entries = block(self.lcp, &alpha);
+        let stopped = || self.control.expired().is_some();
+        if stopped() {
+            return None;
+        }
         let mut factor = SparseFactor::new(alpha.len(), &entries, false)?;
-        if !factor.factor(&vec![0.0; alpha.len()]) {
+        if stopped() || !factor.factor(&vec![0.0; alpha.len()]) {
             return None;
         }
         let mut point = vec![0.0; self.lcp.n()];

@@ -1,5 +1,6 @@
 //! The safeguard of Newton's method: predictor-corrector steps along the interior path `z_i w_i = mu`, `z, w > 0`. [Meh92]
 
+use crate::control::Control;
 use crate::iterative::{Factors, Matrix};
 
 /// How a step went.
@@ -61,14 +62,14 @@ impl<'m> InteriorPath<'m> {
     }
 
     /// One factorisation of `A + diag(w / z)`, two solves, one step.
-    pub(super) fn advance(&mut self, matrix: &impl Matrix) -> Step {
+    pub(super) fn advance(&mut self, matrix: &impl Matrix, control: &Control<'_>) -> Step {
         let n = self.z.len();
         matrix.affine(&self.z, &mut self.residual);
         for i in 0..n {
             self.residual[i] -= self.w[i];
             self.shift[i] = (self.w[i] / self.z[i]).min(STEEPEST);
         }
-        if !self.factors.shifted(&self.shift) {
+        if !self.factors.shifted(&self.shift, &|| control.expired().is_some()) {
             return Step::Stuck("A + D became singular for a positive diagonal D: A is not a P0-matrix");
         }
         let mu = self.mu();

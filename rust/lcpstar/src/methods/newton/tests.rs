@@ -28,7 +28,8 @@ fn without_the_safeguard_it_would_cycle() {
     let goal = Goal::plain(1e-10, lcp.q());
     let mut best = Incumbent::new(&goal, 3);
     let (z, w) = start(&matrix, Some(&[1.0, 0.0, 0.0]));
-    let mut active = ActiveSet::new(Support::new(&matrix).expect("small"), z, w, usize::MAX);
+    let control = Control::default();
+    let mut active = ActiveSet::new(Support::new(&matrix, &control), z, w, usize::MAX);
     assert!((0..50).all(|_| matches!(active.advance(&matrix, &mut best), Step::Settling)));
 }
 
