@@ -232,3 +232,21 @@ def test_paper_report_shows_table_misprint_and_three_solutions(capsys):
     assert rows[1] == rows[2] == []
     found = {tuple(np.round(z, 6)) for _, z in paper.example_solutions()}
     assert found == {tuple(np.round(z, 6)) for z in PAPER_SOLUTIONS}
+
+
+def test_the_papers_stop_is_enough_where_z_and_w_vanish_together():
+    """q = 0 and A = [[a]]: z and w = a z shrink together, each a whole row, until z'w <= eps."""
+    for a in (0.5, 0.6, 0.75, 1, 1.5, 2, 3):
+        run = lcpstar.potential_reduction([[a]], [0], z0=[1], trace=True)
+        assert run.trace[-1].z @ run.trace[-1].w <= 1e-5
+        assert run.status == "solved"
+        assert run.z.tolist() == [0.0]
+    rng = np.random.default_rng(0)
+    for _ in range(200):
+        n = int(rng.integers(1, 5))
+        G, K = rng.integers(-2, 3, (n, n)), rng.integers(-1, 2, (n, n))
+        A = G @ G.T + K - K.T
+        q = rng.integers(1, 4, n) - A @ rng.integers(1, 4, n)
+        run = lcpstar.potential_reduction(A, q)
+        assert run.status == "solved", (A, q)
+        assert np.abs(np.minimum(run.z, A @ run.z + q)).max() <= 1e-2

@@ -116,3 +116,9 @@ def test_integers_of_any_size_are_read_where_they_are_doubles():
         lcpstar.solve([[1, 0], [0, 1]], [-(2**70) - 1, 0.5])
     with pytest.raises(errors.NotFiniteError, match="A must hold doubles"):
         lcpstar.solve([[10**400]], [-1])
+
+
+@pytest.mark.parametrize("method", ["lemke", "enumerate"])
+def test_a_method_for_dense_matrices_says_that_the_matrix_is_sparse(method):
+    with pytest.raises(errors.UnknownNameError, match=f"method .*sparse.*interior_point.*{method}"):
+        lcpstar.solve(sp.csr_array(DENSE), Q, method=method)

@@ -44,7 +44,10 @@ pub fn solve_sparse(
     let start = Instant::now();
     if !SPARSE_METHODS.contains(&method_name) {
         let value = method_name.to_owned();
-        return Err(to_python(py, &LcpError::UnknownName { name: "method", value, choices: SPARSE_METHODS }));
+        return Err(to_python(
+            py,
+            &LcpError::UnknownName { name: "method (for a sparse A)", value, choices: SPARSE_METHODS },
+        ));
     }
     let certify = Certify::from_name(certify).map_err(|e| to_python(py, &e))?;
     let lcp = to_sparse_lcp(py, &starts, &columns, &values, &q)?;

@@ -17,12 +17,14 @@ use crate::member::Member;
 use crate::methods::{
     bilinear, block_pivoting, chandrasekaran, enumerate, interior_point, lemke, lemke_howson, potential_reduction,
 };
+use crate::pivoting::basis::basic_point;
 use crate::problem::{Lcp, check_finite};
+use crate::residual::slack;
 use crate::scaling::{Scaling, exponent, times_power_of_two};
 use crate::small::TINY_ORDER;
 use crate::solution::{Candidate, Solution};
 use crate::sparse::SparseLcp;
-use crate::status::Status;
+use crate::status::{Status, Termination};
 
 pub use approximate::Approximate;
 
@@ -396,8 +398,20 @@ fn reduce_potential(
     trace: impl FnMut(potential_reduction::Record),
 ) -> Result<Solution> {
     let found = potential_reduction::potential_reduction(problem.original, z0, settings, control, trace)?;
-    let candidate = Candidate { z: problem.scaling.z_from_caller(&found.z), ..found };
-    Ok(judge(problem, candidate, Member::PotentialReduction, tol))
+    let stopped = found.termination == Termination::Converged;
+    let z = problem.scaling.z_from_caller(&found.z);
+    // The stop bounds min(z_i, w_i) by the root of z'w, which is no small part of a row where both vanish at the solution. Where
+    // the judge says so, the basis that the point tells of is tried.
+    let w = slack(&problem.lcp, &z).0;
+    let alpha: Vec<usize> = (0..z.len()).filter(|&i| z[i] >= w[i]).collect();
+    let solution = judge(problem, Candidate { z, ..found }, Member::PotentialReduction, tol);
+    if !stopped || solution.is_solved() {
+        return Ok(solution);
+    }
+    let Some(z) = basic_point(&problem.lcp, &alpha) else { return Ok(solution) };
+    let basic = Candidate::point(z, Termination::ComplementaryBasis, solution.iterations);
+    let basic = judge(problem, Candidate { alpha: Some(alpha), ..basic }, Member::PotentialReduction, tol);
+    Ok(if basic.is_solved() { basic } else { solution })
 }
 
 /// Sizes and ranges of everything beside the problem itself.
@@ -475,7 +489,7 @@ fn trivial<P: Rows>(problem: &Equilibrated<'_, P>, tol: f64) -> Option<Solution>
 fn warm(problem: &Equilibrated<'_>, settings: &Settings) -> Option<Solution> {
     let z0 = settings.z0.as_deref()?;
     let alpha = support(z0);
-    let basic = crate::pivoting::basis::basic_point(&problem.lcp, &alpha).map(|z| (z, Some(alpha)));
+    let basic = basic_point(&problem.lcp, &alpha).map(|z| (z, Some(alpha)));
     let given = Some((problem.scaling.z_from_caller(z0), None));
     [basic, given].into_iter().flatten().find_map(|(z, alpha)| {
         let candidate = Candidate { alpha, ..Candidate::point(z, crate::Termination::ComplementaryBasis, 0) };
