@@ -79,9 +79,9 @@ def test_infeasible(method, certify):
     assert solution.status == "infeasible"
     assert not solution.success
     assert_farkas(A, q, [float(y) for y in solution.certificate.y])
-    assert solution.certificate.exact == (certify == "exact")
+    assert solution.certificate.exact
     assert "no z >= 0" in solution.message or "proved" in solution.message
-    verified(A, q, solution, exact=certify == "exact")
+    verified(A, q, solution, exact=True)
 
 
 def test_infeasible_z_matrix():
@@ -263,7 +263,7 @@ def test_not_sufficient_is_proved():
 
 
 def test_the_documented_table_is_complete():
-    text = (Path(__file__).parents[1] / "docs" / "statuses.md").read_text()
+    text = (Path(__file__).parents[1] / "docs" / "statuses.md").read_text().split("## Limits")[0]
     rows = dict(re.findall(r"^\| `(\w+)` \|(.*)\|$", text, flags=re.MULTILINE))
     assert set(rows) == {str(status) for status in lcpstar.Status}
     for status, row in rows.items():

@@ -175,8 +175,16 @@ def test_results_stay_finite_and_true_at_the_ends_of_the_range(name, method, cer
     solution = lcpstar.solve(A, q, method=method, certify=certify)
     for numbers in (solution.z, solution.w, solution.residual, solution.natural_residual):
         assert np.isfinite(numbers).all(), solution
+    proved = solution.certificate is not None and solution.certificate.kind == "solution" and solution.certificate.exact
+    if proved:  # whether or not doubles hold it
+        z = solution.certificate.z
+        for i, (row, p) in enumerate(zip(A, q, strict=True)):
+            w = sum((Fraction(float(a)) * x for a, x in zip(row, z, strict=True)), Fraction(float(p)))
+            assert z[i] >= 0
+            assert w >= 0
+            assert z[i] * w == 0
     if solution.success:
-        assert distance(A, q, solution.z) <= 1e-9 + 8 * np.finfo(float).eps
+        assert proved or distance(A, q, solution.z) <= 1e-9 + 8 * np.finfo(float).eps
         for row, p, w in zip(A, q, solution.w, strict=True):
             terms = [Fraction(float(a)) * x for a, x in zip(row, fractions(solution.z), strict=True)] + [
                 Fraction(float(p))

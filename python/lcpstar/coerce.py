@@ -125,12 +125,12 @@ def _as_float64(name: str, value: ArrayLike) -> NDArray[np.float64]:
         with np.errstate(
             over="ignore"
         ):  # a long double beyond the range of doubles becomes inf, which the core reports
-            converted = np.ascontiguousarray(array, dtype=np.float64)
+            converted = np.ascontiguousarray(array, dtype=np.float64).reshape(array.shape)
     except OverflowError:  # an int
         raise NotFiniteError(f"{name} must hold doubles, got an integer beyond their range") from None
     if array.dtype.kind != "f" or not isinstance(value, np.ndarray):
         check_integers(name, value, converted)
-    return converted.reshape(array.shape)
+    return converted
 
 
 def _holds_numbers(array: NDArray[Any]) -> bool:

@@ -95,8 +95,10 @@ def read_vector(q: object, n: int, name: str = "q") -> Vector:
 
 def _sequence(value: object, name: str) -> list[Any]:
     if hasattr(value, "__array__") and not isinstance(value, (str, bytes)):
-        return list(np.asarray(value))
-    if isinstance(value, (str, bytes)) or not isinstance(value, Iterable):
+        value = np.asarray(value)
+        if value.ndim:
+            return list(value)
+    if isinstance(value, (str, bytes, np.ndarray)) or not isinstance(value, Iterable):
         raise ShapeError(f"{name} must be a sequence, got {value!r}")
     return list(value)
 

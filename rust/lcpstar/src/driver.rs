@@ -480,7 +480,7 @@ fn trivial<P: Rows>(problem: &Equilibrated<'_, P>, tol: f64) -> Option<Solution>
     problem.original.q().iter().all(|&q| q >= 0.0).then(|| {
         let z = vec![0.0; problem.original.n()];
         let candidate =
-            Candidate { alpha: Some(vec![]), ..Candidate::point(z, crate::Termination::ComplementaryBasis, 0) };
+            Candidate { alpha: Some(vec![]), ..Candidate::point(z, Termination::ComplementaryBasis, 0) };
         judge(problem, candidate, Member::Trivial, tol)
     })
 }
@@ -492,7 +492,7 @@ fn warm(problem: &Equilibrated<'_>, settings: &Settings) -> Option<Solution> {
     let basic = basic_point(&problem.lcp, &alpha).map(|z| (z, Some(alpha)));
     let given = Some((problem.scaling.z_from_caller(z0), None));
     [basic, given].into_iter().flatten().find_map(|(z, alpha)| {
-        let candidate = Candidate { alpha, ..Candidate::point(z, crate::Termination::ComplementaryBasis, 0) };
+        let candidate = Candidate { alpha, ..Candidate::point(z, Termination::ComplementaryBasis, 0) };
         let solution = judge(problem, candidate, Member::WarmStart, settings.tol);
         (solution.is_solved() && !doubt::misses_q(problem.original, &solution)).then_some(solution)
     })
