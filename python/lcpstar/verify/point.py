@@ -34,6 +34,11 @@ class Point:
     scaled_w: Vector
     scaled_off: Vector
 
+    @property
+    def size(self) -> float:
+        """`max(1, max|z'|)`."""
+        return float(np.max(np.abs(self.scaled_z), initial=1.0))
+
     @classmethod
     def of(cls, problem: Problem, z: Vector) -> Point:
         """Measured in exact arithmetic, rounded once."""
@@ -49,11 +54,10 @@ def check_numbers(point: Point, claim: Claim, tol: float) -> list[Check]:
     w, exponent = point.w.doubles(), point.w.exponent
     error = np.abs(times_powers_of_two(claim.w, -exponent) - point.w.value)
     natural = _violation(point.z, w, times_powers_of_two(point.off, exponent))
-    size = max(1.0, float(np.max(point.scaled_z, initial=0.0)))
-    residual = _violation(point.scaled_z, point.scaled_w, point.scaled_off) / size
+    residual = _violation(point.scaled_z, point.scaled_w, point.scaled_off) / point.size
     on_alpha = np.isin(np.arange(len(claim.z)), claim.alpha)
     outside = np.flatnonzero(~on_alpha & (claim.z > 0))
-    slack = np.flatnonzero(on_alpha & (claim.z == 0) & ~(np.abs(point.scaled_w) <= max(tol, _ABSOLUTE) * size))
+    slack = np.flatnonzero(on_alpha & (claim.z == 0) & ~(np.abs(point.scaled_w) <= max(tol, _ABSOLUTE) * point.size))
     return [
         Check("z >= 0", bool(np.all(claim.z >= 0))),
         Check("w = A z + q", bool(np.all(error <= point.off) and np.all(np.isfinite(w)))),
@@ -83,7 +87,6 @@ def check_solved(problem: Problem, point: Point, claim: Claim, tol: float) -> li
     """The rule by which a point solves LCP(q, A): see the notes of `verify`."""
     z, w = point.z, point.w
     violation = float(np.max(np.abs(np.minimum(point.scaled_z, point.scaled_w)), initial=0.0))
-    size = max(1.0, float(np.max(point.scaled_z, initial=0.0)))
     # Caller's numbers, in units of max|q|.
     q = as_doubles(problem.q)
     largest = np.max(np.abs(q), initial=0.0)
@@ -98,7 +101,7 @@ def check_solved(problem: Problem, point: Point, claim: Claim, tol: float) -> li
         shift = w.exponent + problem.scaling.rows + problem.scaling.q
         alone &= ~forgiven(problem, times_powers_of_two(wrong, shift), times_powers_of_two(w.size, shift))
     return [
-        Check("residual <= tol", bool(violation / size <= tol), f"{violation / size:.3g}"),
+        Check("residual <= tol", violation / point.size <= tol, f"{violation / point.size:.3g}"),
         Check("max|min(z', w')| is small itself", violation <= max(tol, _ABSOLUTE), f"{violation:.3g}"),
         Check("|min(z, w)| is small in every row", not late.size, _rows(late)),
         Check("every row holds to its own numbers", not alone.any(), _rows(np.flatnonzero(alone))),
