@@ -124,12 +124,15 @@ def _of_transforms(excluded: Iterable[str], n: int) -> Iterator[str]:
 def _by_all(x: w.All, A: Rows) -> Iterator[str]:
     """Each part counts for itself, for A as a transform of itself, and together they may speak of every transform."""
     n = len(A)
-    together = frozenset().union(*(_excluded(part, A) for part in x.parts))
-    yield from (*together, *_of_transforms(together, n))
-    said: dict[IndexSet, frozenset[str]] = {(): together}
+    said: dict[IndexSet, frozenset[str]] = {(): frozenset()}
     for part in x.parts:
-        if isinstance(part, w.InTransform) and (M := pivot_transform(A, part.alpha)) is not None:
-            said[part.alpha] = said.get(part.alpha, frozenset()) | _excluded(part.inner, M)
+        alpha, inner = (part.alpha, part.inner) if isinstance(part, w.InTransform) else ((), part)
+        M = pivot_transform(A, alpha)
+        if M is not None:
+            said[alpha] = said.get(alpha, frozenset()) | _excluded(inner, M)
+    yield from said[()]
+    for excluded in said.values():
+        yield from _of_transforms(excluded, n)
     legitimate = [(), *(alpha for alpha in subsets(n) if determinant(principal(A, alpha)))]
     for k in range(n + 2):
         if all(_covers(said.get(alpha, ()), _exact_order(k)) for alpha in legitimate):

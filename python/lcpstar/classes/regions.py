@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from fractions import Fraction
 
-from .exact import Rows, Vector, determinant, dot, principal, show, solve, subsets, times, transpose
+from .exact import Rows, Vector, determinant, dot, principal, show, times, transpose
 from .witness import is_nonnegative, is_solution
 
 
@@ -176,7 +176,7 @@ class AllShadowed:
     tree: Tree
 
     def refutes(self, A: Rows) -> bool:
-        """Every generator of every leaf is a nonnegative combination, found by trying bases."""
+        """Every generator of every leaf is a nonnegative combination."""
         n = len(A)
         unit = [tuple(Fraction(i == j) for j in range(n)) for i in range(n)]
         leaves = self.tree.leaves(unit)
@@ -198,13 +198,23 @@ class AllShadowed:
 
 
 def in_cone(generators: list[Vector], x: Vector) -> bool:
-    """Whether x is a nonnegative combination: some independent n generators suffice (Caratheodory)."""
-    n = len(x)
-    if not any(x):
-        return True
-    for choice in subsets(len(generators)):
-        if len(choice) == n:
-            weights = solve(transpose(tuple(generators[i] for i in choice)), x)
-            if weights is not None and min(weights) >= 0:
-                return True
-    return False
+    """Whether x is a nonnegative combination: the first phase of the simplex method with Bland's rule [Chv83]."""
+    n, m = len(x), len(generators)
+    # Rows (coefficients | right side >= 0); an artificial variable m + i is basic in row i, and their sum is minimised.
+    signs = [-1 if v < 0 else 1 for v in x]
+    table = [[*(Fraction(s * g[i]) for g in generators), Fraction(s * x[i])] for i, s in enumerate(signs)]
+    basis = [m + i for i in range(n)]
+    table.append([sum((row[j] for row in table), Fraction(0)) for j in range(m + 1)])
+    while table[n][m]:
+        entering = next((j for j in range(m) if table[n][j] > 0), None)
+        if entering is None:
+            return False
+        rows = [i for i in range(n) if table[i][entering] > 0]
+        leaving = min(rows, key=lambda i: (table[i][m] / table[i][entering], basis[i]))
+        basis[leaving] = entering
+        pivot = table[leaving][entering]
+        table[leaving] = top = [v / pivot for v in table[leaving]]
+        for i in range(n + 1):
+            if i != leaving and (factor := table[i][entering]):
+                table[i] = [v - factor * t for v, t in zip(table[i], top, strict=True)]
+    return True
