@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import Any, Protocol
 
 from .exact import (
     IndexSet,
@@ -26,9 +26,6 @@ from .exact import (
     times,
     transpose,
 )
-
-if TYPE_CHECKING:
-    from .verdict import Verdict
 
 
 class Witness(Protocol):
@@ -361,9 +358,12 @@ class All:
 
 @dataclass(frozen=True)
 class Implied:
-    """The witness or the certificates of other classes, with the inclusion that carries them over."""
+    """The witness or the certificates of other classes, with the inclusion that carries them over.
 
-    verdicts: tuple[Verdict, ...]
+    `verdicts` are `Verdict`s, which are built on this module.
+    """
+
+    verdicts: tuple[Any, ...]
     inclusion: str
 
     def refutes(self, A: Rows) -> bool:
@@ -379,7 +379,7 @@ class Implied:
         return "; ".join([self.inclusion, *(verdict.reason for verdict in self.verdicts)])
 
 
-def origin(verdict: Verdict) -> Any:
+def origin(verdict: Any) -> Any:
     """The witness behind a chain of inclusions."""
     while isinstance(verdict.witness, Implied):
         verdict = verdict.witness.verdicts[0]
