@@ -50,6 +50,17 @@ def test_each_statement_about_an_exact_solution_is_checked_whatever_the_status(s
     assert failed([[1]], [1], answer([[1]], [1], [0], status, certificate=Certificate("hearsay", exact=True)))
 
 
+def test_an_exact_solution_may_underflow():
+    """z = 2^-1080 is 0 in doubles; its w is 0, and that of the double is not."""
+    A, q = [[2.0**1000]], [-(2.0**-80)]
+    proof = Certificate("solution", exact=True, alpha=[0], z=[Fraction(1, 2**1080)])
+    sol = answer(A, q, [0.0], certificate=proof, alpha=[0])
+    assert verify(A, q, sol).exact
+    assert not verify(A, q, copy(sol, certificate=None))
+    wrong = Certificate("solution", exact=True, alpha=[0], z=[Fraction(1, 2**1081)])
+    assert "w = 0 on alpha, z = 0 outside" in failed(A, q, copy(sol, certificate=wrong))
+
+
 def test_a_proved_solution_is_solved_although_its_rounding_is_not():
     """z = 7.8e14 (1, 1): a last bit of z changes w by 0.1."""
     A = np.array([[0.40756930889413767, -0.4075693088941364], [-0.6853293444903695, 0.6853293444903705]])

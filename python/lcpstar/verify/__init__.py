@@ -145,5 +145,5 @@ def _certificate(problem: Problem, claim: Claim) -> list[Check]:
         case "ray" if claim.ray is not None:
             return check_exact_ray(problem, proof, claim.ray)
         case "solution" if proof.exact:
-            return check_exact_solution(problem, proof, ())
+            return check_exact_solution(problem, proof, claim.alpha)
     return [Check("the certificate proves something", False, proof.kind)]

@@ -30,6 +30,11 @@ class Proof:
     z: Numbers | None
     bound: float | None
 
+    @property
+    def proves_solution(self) -> bool:
+        """Whether it claims an exact solution."""
+        return self.exact and self.kind == "solution"
+
 
 @dataclass(frozen=True)
 class Direction:
