@@ -88,11 +88,12 @@ fn sign_of_sum(start: f64, x: &[f64]) -> Option<i8> {
     let total = sum + error;
     // Each error is below eps times the sum of sizes, which the positive start bounds where the total is not negative.
     let doubt = (x.len() as f64 * f64::EPSILON).powi(2) * start;
-    match () {
-        () if is_exact && sum == 0.0 => Some(0),
-        () if total > doubt => Some(1),
-        () if total < -doubt => Some(-1),
-        () => None,
+    if is_exact && sum == 0.0 {
+        Some(0)
+    } else if total.abs() > doubt {
+        Some(if total > 0.0 { 1 } else { -1 })
+    } else {
+        None
     }
 }
 

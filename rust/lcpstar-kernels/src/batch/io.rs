@@ -1,7 +1,7 @@
 //! What goes into a batch and what comes out: borrowed arrays, never copied whole.
 
 use crate::small::Accepted;
-use crate::small::ahead::Ahead;
+use crate::small::prefetch::Prefetch;
 use crate::small::verify::SOLVED;
 
 /// Which block of an array belongs to problem k.
@@ -100,10 +100,10 @@ impl<'a> Problems<'a> {
 
     /// Plans to ask for the matrix of problem `k`, all of it within `steps` steps.
     #[inline(always)]
-    pub fn plan(&self, ahead: &mut Ahead, k: usize, steps: usize) {
+    pub fn plan(&self, prefetch: &mut Prefetch, k: usize, steps: usize) {
         match self.matrix(k) {
-            Numbers::Double(a) => ahead.plan(a, steps),
-            Numbers::Single(a) => ahead.plan(a, steps),
+            Numbers::Double(a) => prefetch.plan(a, steps),
+            Numbers::Single(a) => prefetch.plan(a, steps),
         }
     }
 }

@@ -131,7 +131,7 @@ impl<X: Lane> Lanes<X> {
         let mut groups = waiting.chunks(X::LANES).peekable();
         while let Some(members) = groups.next() {
             self.load::<N>(task, members);
-            self.plan_ahead(phase, task, groups.peek().copied().unwrap_or_default());
+            self.plan_prefetch(phase, task, groups.peek().copied().unwrap_or_default());
             let (fit, symmetric) = self.shape::<N>();
             self.seen_unfit |= fit.not().any();
             let open = X::Mask::from_bits(u32::MAX >> (32 - members.len()));
@@ -281,7 +281,7 @@ impl<X: Lane> Lanes<X> {
         found: &Found<X>,
         output: &mut Output<'_>,
     ) {
-        self.tile.ahead.rest();
+        self.tile.prefetch.rest();
         let lanes = group.open.and(found.lanes);
         let refinements = match phase {
             Phase::Point | Phase::Enumerate => 0,

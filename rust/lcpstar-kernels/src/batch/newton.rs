@@ -8,9 +8,9 @@
 
 mod factors;
 
-use crate::small::ahead::Ahead;
 use crate::small::lane::{Lane, MOST_LANES, Mask};
 use crate::small::lemke::CANCELLED;
+use crate::small::prefetch::Prefetch;
 use factors::Factors;
 
 /// Largest order at which masking the rows outside the support is cheaper than leaving them out.
@@ -32,7 +32,7 @@ pub struct Tile<X: Lane> {
     /// Rows with `w_i = 0` in the guess.
     pub alpha: Vec<X::Mask>,
     /// What is needed next.
-    pub ahead: Ahead,
+    pub prefetch: Prefetch,
     block: Block<X>,
 }
 
@@ -62,7 +62,7 @@ impl<X: Lane> Tile<X> {
             z: vector.clone(),
             w: vector.clone(),
             alpha: vec![X::Mask::NONE; n],
-            ahead: Ahead::default(),
+            prefetch: Prefetch::default(),
             block: Block {
                 size: 0,
                 a: vec![zero; n * n],
@@ -162,7 +162,7 @@ fn sweep<X: Lane, const N: usize>(n: usize, tile: &mut Tile<X>) {
     }
     for k in 0..sweeps(n) {
         for i in 0..n {
-            tile.ahead.step();
+            tile.prefetch.step();
             let row = &a[i * n..(i + 1) * n];
             let mut sum = q[i];
             // What is new comes last, so that the rest need not wait for it. At first, z is zero from i on.
@@ -207,10 +207,10 @@ pub fn improve_guess<X: Lane, const N: usize>(n: usize, tile: &mut Tile<X>) -> X
 #[inline(always)]
 fn solve<X: Lane, const N: usize>(n: usize, tile: &mut Tile<X>, symmetric: bool, cleaned: bool) -> X::Mask {
     let n = if N == 0 { n } else { N };
-    let Tile { a, q, z, alpha, ahead, block, .. } = tile;
+    let Tile { a, q, z, alpha, prefetch, block, .. } = tile;
     if is_masked::<N>(n) {
         let factors = &mut block.factors;
-        let regular = factors.compute::<N>(n, a, q, alpha, symmetric, ahead);
+        let regular = factors.compute::<N>(n, a, q, alpha, symmetric, prefetch);
         factors.substitute_back::<N>(n, z);
         if cleaned {
             factors.clean::<N>(n, q, alpha, z);
@@ -220,7 +220,7 @@ fn solve<X: Lane, const N: usize>(n: usize, tile: &mut Tile<X>, symmetric: bool,
     block.gather(n, a, q, alpha);
     let size = block.size;
     let Block { a, q, inside, factors, x, .. } = block;
-    let regular = factors.compute::<0>(size, a, q, inside, symmetric, ahead);
+    let regular = factors.compute::<0>(size, a, q, inside, symmetric, prefetch);
     factors.substitute_back::<0>(size, x);
     if cleaned {
         factors.clean::<0>(size, q, inside, x);

@@ -1,10 +1,10 @@
 //! The kernel compiled for each instruction set, and the memory of each thread for it.
 
-use super::ahead::Ahead;
 #[cfg(target_arch = "x86_64")]
 use super::avx::{Ymm2, Zmm};
 use super::lane::{F64x8, Lane};
 use super::lemke::{Lemke, Outcome};
+use super::prefetch::Prefetch;
 use multiversion::multiversion;
 use multiversion::target::target_cfg_f;
 use std::cell::Cell;
@@ -12,14 +12,14 @@ use std::thread::LocalKey;
 
 /// What to do with a problem.
 pub enum Task<'a> {
-    /// Lemke's method; its point and whether each z_j is basic are written, n of each. Asks for memory `ahead` beside each pivot.
+    /// Lemke's method; its point and whether each z_j is basic are written, n of each. Asks for memory by `prefetch` beside each pivot.
     Solve {
         /// The point.
         z: &'a mut [f64],
         /// Whether z_j is basic.
         basic: &'a mut [bool],
         /// Memory that is needed next.
-        ahead: &'a mut Ahead,
+        prefetch: &'a mut Prefetch,
     },
     /// The verdict on a point `z >= 0`.
     Verify {
@@ -63,8 +63,8 @@ fn run_in<X: Lane>(
 ) -> Outcome {
     let mut lemke = home.take().unwrap_or_default();
     let outcome = match task {
-        Task::Solve { z, basic, ahead } => {
-            let outcome = lemke.solve_and_verify(a, q, w, tol, ahead);
+        Task::Solve { z, basic, prefetch } => {
+            let outcome = lemke.solve_and_verify(a, q, w, tol, prefetch);
             if outcome.found_basis {
                 z.fill(0.0);
                 basic.fill(false);

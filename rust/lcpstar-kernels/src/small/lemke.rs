@@ -4,9 +4,9 @@
 //! With a covering vector that hardly ever leads through degenerate bases, see [`covering`](super::covering); among tied rows
 //! that of z_0 wins, then the largest pivot.
 
-use super::ahead::Ahead;
 use super::covering::Covering;
 use super::lane::Lane;
+use super::prefetch::Prefetch;
 use super::ratio::{first_to_reach_zero, last_to_become_nonnegative};
 use super::tableau::{Tableau, WIDTH, at, put};
 use super::verify::{Accepted, verify_one};
@@ -75,14 +75,21 @@ impl<X> Default for Lemke<X> {
 }
 
 impl<X: Lane> Lemke<X> {
-    /// Runs the method and refines the answer until it is verified; `w = A z + q` as computed. Asks for memory `ahead` beside each pivot.
+    /// Runs the method and refines the answer until it is verified; `w = A z + q` as computed. Asks for memory by `prefetch` beside each pivot.
     #[inline(always)]
-    pub fn solve_and_verify(&mut self, a: &[f64], q: &[f64], w: &mut [f64], tol: f64, ahead: &mut Ahead) -> Outcome {
+    pub fn solve_and_verify(
+        &mut self,
+        a: &[f64],
+        q: &[f64],
+        w: &mut [f64],
+        tol: f64,
+        prefetch: &mut Prefetch,
+    ) -> Outcome {
         self.resize(q.len());
         self.pivots = 0;
         let mut stop = Stop::Ray;
         for covering in [Covering::Spread, Covering::Ones] {
-            stop = self.solve(a, q, covering, ahead);
+            stop = self.solve(a, q, covering, prefetch);
             if stop == Stop::Basis {
                 break;
             }
@@ -122,7 +129,7 @@ impl<X: Lane> Lemke<X> {
 
     /// Runs the method. O(n^2) a pivot.
     #[inline(always)]
-    fn solve(&mut self, a: &[f64], q: &[f64], covering: Covering, ahead: &mut Ahead) -> Stop {
+    fn solve(&mut self, a: &[f64], q: &[f64], covering: Covering, prefetch: &mut Prefetch) -> Stop {
         if !self.tableau.load(a, q, covering) {
             return Stop::Limit;
         }
@@ -132,23 +139,23 @@ impl<X: Lane> Lemke<X> {
         };
         // The compiler is told how wide columns are.
         match self.n.div_ceil(WIDTH) {
-            1 => self.pivot::<1>(row, ahead),
-            2 => self.pivot::<2>(row, ahead),
-            3 => self.pivot::<3>(row, ahead),
-            4 => self.pivot::<4>(row, ahead),
-            _ => self.pivot::<0>(row, ahead),
+            1 => self.pivot::<1>(row, prefetch),
+            2 => self.pivot::<2>(row, prefetch),
+            3 => self.pivot::<3>(row, prefetch),
+            4 => self.pivot::<4>(row, prefetch),
+            _ => self.pivot::<0>(row, prefetch),
         }
     }
 
     /// z_0 drives, blocked by `row`; then the complement of what left, until that is z_0. `W` vectors per column, 0 if not known.
     #[inline(always)]
-    fn pivot<const W: usize>(&mut self, mut row: usize, ahead: &mut Ahead) -> Stop {
+    fn pivot<const W: usize>(&mut self, mut row: usize, prefetch: &mut Prefetch) -> Stop {
         let (n, tableau) = (self.n, &mut self.tableau);
         let (z0, limit) = (2 * n, self.pivots + PIVOTS_PER_ROW * n.min(PATIENT_UP_TO));
         tableau.drive::<W>(z0);
         loop {
             let leaving = tableau.exchange::<W>(row);
-            ahead.step();
+            prefetch.step();
             self.pivots += 1;
             if leaving == z0 {
                 return Stop::Basis;

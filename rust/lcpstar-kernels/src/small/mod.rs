@@ -3,20 +3,20 @@
 //!
 //! A time limit is not looked at: the limit on pivots ends a run of order 128 within a few milliseconds.
 
-pub mod ahead;
 #[cfg(target_arch = "x86_64")]
 pub mod avx;
 pub mod covering;
 pub mod dispatch;
 pub mod lane;
 pub mod lemke;
+pub mod prefetch;
 pub mod ratio;
 pub mod scales;
 pub mod tableau;
 pub mod verify;
 
-use ahead::Ahead;
 use dispatch::{Task, run};
+use prefetch::Prefetch;
 pub use verify::Accepted;
 
 /// Largest order that [`solve`] takes.
@@ -56,7 +56,7 @@ pub fn solve(a: &[f64], q: &[f64], tol: f64, z: &mut [f64], w: &mut [f64]) -> An
     }
     let mut basic = [false; TINY_ORDER];
     let basic = &mut basic[..q.len()];
-    let outcome = run(Task::Solve { z, basic, ahead: &mut Ahead::default() }, a, q, w, tol);
+    let outcome = run(Task::Solve { z, basic, prefetch: &mut Prefetch::default() }, a, q, w, tol);
     if !outcome.found_basis {
         return Answer::None;
     }

@@ -62,11 +62,10 @@ impl Structure {
                     if x == 0.0 && y == 0.0 {
                         continue;
                     }
-                    let relation = match () {
-                        () if x == y => 1,
-                        () if x == -y => -1,
-                        () => return Self::General,
-                    };
+                    let relation = if x == y { 1 } else { -1 };
+                    if x != y && x != -y {
+                        return Self::General;
+                    }
                     match signs[j] {
                         0 => {
                             signs[j] = relation * signs[i];

@@ -10,8 +10,8 @@ use crate::judge::judge;
 use crate::member::Member;
 use crate::problem::Lcp;
 use crate::small::TINY_ORDER;
-use crate::small::ahead::Ahead;
 use crate::small::dispatch;
+use crate::small::prefetch::Prefetch;
 use crate::solution::{Candidate, Solution};
 use crate::status::Termination;
 use lcpstar_kernels::batch::work::{Chunk, GUESS_ORDER, LEMKE};
@@ -30,7 +30,7 @@ pub(super) struct Alone<'a> {
     basic: Vec<bool>,
     general: driver::Settings,
     control: Control<'a>,
-    ahead: Ahead,
+    prefetch: Prefetch,
     /// Problems that a method leaves.
     left: Vec<usize>,
 }
@@ -52,7 +52,7 @@ impl<'a> Alone<'a> {
             basic: vec![false; problems.n],
             general,
             control,
-            ahead: Ahead::default(),
+            prefetch: Prefetch::default(),
             left: Vec::new(),
         }
     }
@@ -100,16 +100,16 @@ impl<'a> Alone<'a> {
         let (n, problems, tol, output) = (self.problems.n, self.problems, self.settings.tol, &mut chunk.output);
         for (i, &k) in waiting.iter().enumerate() {
             let (place, range) = (chunk.first + k, k * n..(k + 1) * n);
-            self.ahead.clear();
+            self.prefetch.clear();
             if let Some(next) = waiting.get(i + 1) {
-                problems.plan(&mut self.ahead, chunk.first + next, n.div_ceil(2));
+                problems.plan(&mut self.prefetch, chunk.first + next, n.div_ceil(2));
             }
             problems.copy(place, &mut self.a, &mut self.q);
             let (a, q) = (&self.a[..], &self.q[..]);
             let (z, w) = (&mut output.z[range.clone()], &mut output.w[range.clone()]);
-            let solve = dispatch::Task::Solve { z, basic: &mut self.basic, ahead: &mut self.ahead };
+            let solve = dispatch::Task::Solve { z, basic: &mut self.basic, prefetch: &mut self.prefetch };
             let outcome = dispatch::run(solve, a, q, w, tol);
-            self.ahead.rest();
+            self.prefetch.rest();
             if let Some(accepted) = outcome.accepted {
                 output.accept(k, LEMKE, outcome.pivots as u32, &accepted);
                 output.alpha.write(n, k, |i| self.basic[i]);

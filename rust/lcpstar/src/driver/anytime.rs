@@ -27,13 +27,13 @@ const FIRST_SWEEPS: usize = 20;
 /// reaches it; under a time limit its point is there for a portfolio that runs out of time with a worse one.
 pub(super) fn auto(problem: &Equilibrated<'_>, settings: &Settings, control: &Control<'_>) -> Solution {
     let loose = settings.tol >= LOOSE && settings.certify == Certify::Float;
-    let attempt = match () {
-        () if loose => loosely(problem, settings, control),
-        () if control.deadline.is_some() && sweeps_apply(problem) => {
-            let control = with_limit(control, FIRST_SWEEPS);
-            Some(solve(problem, settings, &Approximate::Nncg, &control))
-        }
-        () => None,
+    let attempt = if loose {
+        loosely(problem, settings, control)
+    } else if control.deadline.is_some() && sweeps_apply(problem) {
+        let control = with_limit(control, FIRST_SWEEPS);
+        Some(solve(problem, settings, &Approximate::Nncg, &control))
+    } else {
+        None
     };
     let Some(attempt) = attempt else { return pieces::auto(problem, settings, control) };
     if loose && attempt.status() == Status::Solved {
@@ -50,7 +50,7 @@ pub(super) fn auto(problem: &Equilibrated<'_>, settings: &Settings, control: &Co
     solution
 }
 
-/// For symmetric A, more or less: conjugate gradients while they promise to get there. For other A a sweep promises
+/// For symmetric A, more or less: conjugate gradients while their rate leads there. For other A a sweep forecasts
 /// nothing, and the portfolio is as quick.
 fn loosely(problem: &Equilibrated<'_>, settings: &Settings, control: &Control<'_>) -> Option<Solution> {
     if !sweeps_apply(problem) || !is_nearly_symmetric(problem.original) {
@@ -59,18 +59,18 @@ fn loosely(problem: &Equilibrated<'_>, settings: &Settings, control: &Control<'_
     let scaling = &problem.scaling;
     let goal = Goal::new(settings.tol, scaling, scaling, problem.original.q());
     let z0 = settings.z0.as_deref().map(|z0| scaling.z_from_caller(z0));
-    let promise = Promise::new(problem.lcp.n(), settings.tol);
-    let found = nncg::nncg_while(&Dense::new(&problem.lcp), &goal, z0.as_deref(), control, promise.watch());
+    let forecast = Forecast::new(problem.lcp.n(), settings.tol);
+    let found = nncg::nncg_while(&Dense::new(&problem.lcp), &goal, z0.as_deref(), control, forecast.watch());
     Some(judge(problem, found, Member::Nncg, settings.tol))
 }
 
 /// Whether sweeps that go on at their rate reach `tol` before they have cost as much as the full answer.
-struct Promise {
+struct Forecast {
     sweeps: usize,
     tol: f64,
 }
 
-impl Promise {
+impl Forecast {
     fn new(n: usize, tol: f64) -> Self {
         Self { sweeps: WORTHWHILE.0.max(n / WORTHWHILE.1), tol }
     }

@@ -28,7 +28,7 @@ const EXACT_FEASIBILITY_UP_TO: usize = 200;
 const DOUBLE_DOUBLE_UP_TO: usize = 400;
 
 /// The members tried so far: their pivots, and the best answer that is not final.
-struct Race<'a> {
+struct Portfolio<'a> {
     problem: &'a Equilibrated<'a>,
     tol: f64,
     control: Control<'a>,
@@ -39,7 +39,7 @@ struct Race<'a> {
     asked_exactly: bool,
 }
 
-impl<'a> Race<'a> {
+impl<'a> Portfolio<'a> {
     fn new(problem: &'a Equilibrated<'a>, tol: f64, control: &Control<'a>) -> Self {
         Self { problem, tol, control: *control, iterations: 0, members: 0, best: None, asked_exactly: false }
     }
@@ -72,7 +72,7 @@ impl<'a> Race<'a> {
     }
 
     fn finish(self) -> Solution {
-        let mut solution = self.best.expect("invariant: every race runs its first member");
+        let mut solution = self.best.expect("invariant: every portfolio runs its first member");
         solution.iterations = self.iterations;
         if self.members > 1 && !matches!(solution.status(), Status::Solved | Status::Infeasible) {
             solution.message = format!("{} ({} attempts)", solution.message, self.members);
@@ -101,18 +101,18 @@ pub(super) fn lemke(
     settings: &Settings,
     control: &Control<'_>,
 ) -> Solution {
-    let mut race = Race::new(problem, settings.tol, control);
-    if !from_guess(&mut race, settings) {
-        lemke_members(&mut race, restarts, seed);
+    let mut portfolio = Portfolio::new(problem, settings.tol, control);
+    if !from_guess(&mut portfolio, settings) {
+        lemke_members(&mut portfolio, restarts, seed);
     }
-    race.finish()
+    portfolio.finish()
 }
 
 /// Lemke's method from the support of `z0`: few pivots when it is nearly right; when it fails, all else is as without it.
-fn from_guess(race: &mut Race<'_>, settings: &Settings) -> bool {
+fn from_guess(portfolio: &mut Portfolio<'_>, settings: &Settings) -> bool {
     let Some(alpha) = settings.z0.as_deref().map(support).filter(|alpha| !alpha.is_empty()) else { return false };
-    let lcp = &race.problem.lcp;
-    race.run(Member::LemkeWarm, |control| {
+    let lcp = &portfolio.problem.lcp;
+    portfolio.run(Member::LemkeWarm, |control| {
         let limit = control.max_iterations.unwrap_or(usize::MAX).min(20 + lcp.n());
         lemke::lemke_from::<f64>(lcp, &alpha, &control.with_max_iterations(Some(limit)))
     })
@@ -165,31 +165,32 @@ const FINISH_IN_DOUBLE_DOUBLE_UP_TO: usize = 1000;
 
 /// Criss-cross in doubles, then in double-doubles where rounding hid a proof.
 pub(super) fn principal_pivoting(problem: &Equilibrated<'_>, tol: f64, control: &Control<'_>) -> Solution {
-    let mut race = Race::new(problem, tol, control);
+    let mut portfolio = Portfolio::new(problem, tol, control);
     let lcp = &problem.lcp;
-    race.run(Member::PrincipalPivoting, |control| criss_cross::principal_pivoting::<f64>(lcp, control));
+    portfolio.run(Member::PrincipalPivoting, |control| criss_cross::principal_pivoting::<f64>(lcp, control));
     let unclear = |best: &Solution| best.status() == Status::NumericalBreakdown && best.certificate().is_none();
-    if race.best.as_ref().is_some_and(unclear) {
-        race.run(Member::PrincipalPivotingDoubleDouble, |control| criss_cross::principal_pivoting::<Dd>(lcp, control));
+    if portfolio.best.as_ref().is_some_and(unclear) {
+        portfolio
+            .run(Member::PrincipalPivotingDoubleDouble, |control| criss_cross::principal_pivoting::<Dd>(lcp, control));
     }
-    race.finish()
+    portfolio.finish()
 }
 
 /// See the module. Members: Chandrasekaran (Z), the guess, block pivoting (P-like), Lemke-Howson (bimatrix), Lemke and its
 /// restarts, the interior point method, successive linear programmes.
 pub(super) fn auto(problem: &Equilibrated<'_>, settings: &Settings, control: &Control<'_>) -> Solution {
-    let mut race = Race::new(problem, settings.tol, control);
+    let mut portfolio = Portfolio::new(problem, settings.tol, control);
     let lcp = &problem.lcp;
     let n = lcp.n();
     if chandrasekaran::positive_off_diagonal(lcp).is_none()
-        && race.run(Member::Chandrasekaran, |control| chandrasekaran::chandrasekaran(lcp, control))
+        && portfolio.run(Member::Chandrasekaran, |control| chandrasekaran::chandrasekaran(lcp, control))
     {
-        return race.finish();
+        return portfolio.finish();
     }
     // The transform costs as much as many factorisations of a large block.
     let warm_first = n <= WARM_PATH_FIRST_UP_TO;
-    if warm_first && from_guess(&mut race, settings) {
-        return race.finish();
+    if warm_first && from_guess(&mut portfolio, settings) {
+        return portfolio.finish();
     }
     let positive_diagonal = (0..n).all(|i| lcp.row(i)[i] > 0.0);
     if n >= BLOCK_PIVOTING_FROM && positive_diagonal {
@@ -199,49 +200,50 @@ pub(super) fn auto(problem: &Equilibrated<'_>, settings: &Settings, control: &Co
             shift: if n > SHIFT_FROM && settings.certify == Certify::Float { SHIFT } else { 0.0 },
             ..block_pivoting::Settings::default()
         };
-        let found = race.run(Member::BlockPivoting, |control| {
+        let found = portfolio.run(Member::BlockPivoting, |control| {
             let limit = control.max_iterations.unwrap_or(usize::MAX).min(BLOCK_PIVOTING_BUDGET);
             block_pivoting::block_pivoting(lcp, &options, &control.with_max_iterations(Some(limit)))
         });
         if found {
-            return race.finish();
+            return portfolio.finish();
         }
     }
-    if !warm_first && from_guess(&mut race, settings) {
-        return race.finish();
+    if !warm_first && from_guess(&mut portfolio, settings) {
+        return portfolio.finish();
     }
     if lemke_howson::bimatrix_split(lcp).is_some() {
         for label in [0, n / 2, n - 1] {
             let options = lemke_howson::Settings { label };
-            if race.run(Member::LemkeHowson, |control| lemke_howson::lemke_howson(lcp, &options, control)) {
-                return race.finish();
+            if portfolio.run(Member::LemkeHowson, |control| lemke_howson::lemke_howson(lcp, &options, control)) {
+                return portfolio.finish();
             }
         }
     }
-    last_resorts(race, settings)
+    last_resorts(portfolio, settings)
 }
 
 /// What [`auto`] tries where A has no structure that helps: Lemke and its restarts, the interior point method, successive
 /// linear programmes, all index sets.
-fn last_resorts(mut race: Race<'_>, settings: &Settings) -> Solution {
-    let problem = race.problem;
+fn last_resorts(mut portfolio: Portfolio<'_>, settings: &Settings) -> Solution {
+    let problem = portfolio.problem;
     let lcp = &problem.lcp;
-    if lemke_members(&mut race, super::DEFAULT_RESTARTS, 0) {
-        return race.finish();
+    if lemke_members(&mut portfolio, super::DEFAULT_RESTARTS, 0) {
+        return portfolio.finish();
     }
     // Frictional contact under a heavy load: the pivots that matter are as small as the rounding of redundant rows.
     let options = interior_point::Settings::default();
-    if race.run(Member::InteriorPoint, |control| super::interior_point_candidate(problem, settings, &options, control))
+    if portfolio
+        .run(Member::InteriorPoint, |control| super::interior_point_candidate(problem, settings, &options, control))
     {
-        return race.finish();
+        return portfolio.finish();
     }
     let options = bilinear::Settings::default();
     let programmes =
         |control: &Control<'_>| bilinear::bilinear(lcp, &options, &with_limit(control, pivots_worthwhile(lcp.n())));
-    if !race.run(Member::Bilinear, programmes) && lcp.n() <= ENUMERATE_UP_TO {
-        race.run(Member::Enumerate, |control| enumerate::enumerate(lcp, control));
+    if !portfolio.run(Member::Bilinear, programmes) && lcp.n() <= ENUMERATE_UP_TO {
+        portfolio.run(Member::Enumerate, |control| enumerate::enumerate(lcp, control));
     }
-    race.finish()
+    portfolio.finish()
 }
 
 /// Pivots granted to successive linear programmes: what they solve they solve within a few n, and a pivot is O(n^2).
@@ -281,19 +283,20 @@ fn feasible_point(lcp: &Lcp, control: &Control<'_>) -> Candidate {
 }
 
 /// From the support of a point within `tol`, in double-doubles: signs at the rounding level of doubles decide the basis.
-fn from_near(race: &mut Race<'_>) -> bool {
-    let near = race.best.as_ref().filter(|best| polish::is_near(best, race.tol));
+fn from_near(portfolio: &mut Portfolio<'_>) -> bool {
+    let near = portfolio.best.as_ref().filter(|best| polish::is_near(best, portfolio.tol));
     let Some(alpha) = near.map(|best| support(&best.z)) else { return false };
-    let lcp = &race.problem.lcp;
-    race.run(Member::LemkeDoubleDouble, |control| lemke::lemke_from::<Dd>(lcp, &alpha, &with_limit(control, lcp.n())))
+    let lcp = &portfolio.problem.lcp;
+    portfolio
+        .run(Member::LemkeDoubleDouble, |control| lemke::lemke_from::<Dd>(lcp, &alpha, &with_limit(control, lcp.n())))
 }
 
 /// `true` when one of them gave the final answer.
-fn lemke_members(race: &mut Race<'_>, restarts: usize, seed: u64) -> bool {
-    let lcp = &race.problem.lcp;
+fn lemke_members(portfolio: &mut Portfolio<'_>, restarts: usize, seed: u64) -> bool {
+    let lcp = &portfolio.problem.lcp;
     let n = lcp.n();
     let plain = lemke::Settings::default();
-    if race.run(Member::Lemke, |control| lemke::lemke::<f64>(lcp, &plain, control)) {
+    if portfolio.run(Member::Lemke, |control| lemke::lemke::<f64>(lcp, &plain, control)) {
         return true;
     }
     let mut random = fastrand::Rng::with_seed(seed);
@@ -301,21 +304,21 @@ fn lemke_members(race: &mut Race<'_>, restarts: usize, seed: u64) -> bool {
         // (0.1, 1.1)^n: any fixed d can be attacked, a random one needs few pivots on Murty's and Fathi's examples.
         let d = (0..n).map(|_| 0.1 + random.f64()).collect();
         let options = lemke::Settings { d: Some(d) };
-        if race.run(Member::LemkeRandomD, |control| lemke::lemke::<f64>(lcp, &options, control)) {
+        if portfolio.run(Member::LemkeRandomD, |control| lemke::lemke::<f64>(lcp, &options, control)) {
             return true;
         }
         if restart > 0 {
             continue;
         }
-        if from_near(race) {
+        if from_near(portfolio) {
             return true;
         }
         if n <= DOUBLE_DOUBLE_UP_TO
-            && race.run(Member::LemkeDoubleDouble, |control| lemke::lemke::<Dd>(lcp, &plain, control))
+            && portfolio.run(Member::LemkeDoubleDouble, |control| lemke::lemke::<Dd>(lcp, &plain, control))
         {
             return true;
         }
-        if race.run(Member::Feasibility, |control| feasible_point(lcp, control)) {
+        if portfolio.run(Member::Feasibility, |control| feasible_point(lcp, control)) {
             return true;
         }
     }

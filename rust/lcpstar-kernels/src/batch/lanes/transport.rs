@@ -28,11 +28,11 @@ impl<X: Lane> Lanes<X> {
 
     /// Plans to ask for the matrices of the problems that are next.
     #[inline(always)]
-    pub(super) fn plan_ahead(&mut self, phase: Phase, task: &Task<'_>, members: &[usize]) {
-        let (n, problems, ahead) = (self.n, task.problems, &mut self.tile.ahead);
+    pub(super) fn plan_prefetch(&mut self, phase: Phase, task: &Task<'_>, members: &[usize]) {
+        let (n, problems, prefetch) = (self.n, task.problems, &mut self.tile.prefetch);
         // A factorisation has a step for each column; sweeps have more.
         let steps = if phase.is_newton() { 2 * n } else { n };
-        ahead.clear();
+        prefetch.clear();
         // Smaller ones come in order, and the processor sees that by itself.
         let members = if n > MINORS_ORDER { members } else { &[] };
         for &k in members {
@@ -40,7 +40,7 @@ impl<X: Lane> Lanes<X> {
             if block == self.loaded[0] {
                 return;
             }
-            problems.plan(ahead, task.first + k, steps);
+            problems.plan(prefetch, task.first + k, steps);
         }
     }
 

@@ -1,8 +1,8 @@
 //! The blocks of several problems, factored side by side.
 
 use super::NOISE;
-use crate::small::ahead::Ahead;
 use crate::small::lane::{Lane, Mask};
+use crate::small::prefetch::Prefetch;
 
 /// Smallest pivot, relative to the diagonal entry it started from.
 pub const FLOOR: f64 = 1e-9;
@@ -36,7 +36,7 @@ impl<X: Lane> Factors<X> {
         q: &[X],
         alpha: &[X::Mask],
         symmetric: bool,
-        ahead: &mut Ahead,
+        prefetch: &mut Prefetch,
     ) -> X::Mask {
         let n = if N == 0 { n } else { N };
         let (a, q, alpha) = (&a[..n * n], &q[..n], &alpha[..n]);
@@ -45,7 +45,7 @@ impl<X: Lane> Factors<X> {
         let (one, floor) = (X::splat(1.0), X::splat(FLOOR));
         let mut regular = X::Mask::ALL;
         for j in 0..n {
-            ahead.step();
+            prefetch.step();
             let inside = alpha[j];
             // Column j of L, from the diagonal down.
             let row = &upper[j * n..j * n + j];

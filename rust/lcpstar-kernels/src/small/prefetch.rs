@@ -8,7 +8,7 @@ const LINE: usize = 64;
 /// Blocks of memory that are needed soon. They are asked for a few lines at a time: a processor has room for some sixteen
 /// requests, and waits at the next one.
 #[derive(Default)]
-pub struct Ahead {
+pub struct Prefetch {
     /// Addresses of the blocks, at most one for every lane of a tile.
     starts: [usize; MOST_LANES],
     blocks: usize,
@@ -20,7 +20,7 @@ pub struct Ahead {
     at_once: usize,
 }
 
-impl Ahead {
+impl Prefetch {
     /// Forgets what was planned.
     #[inline(always)]
     pub fn clear(&mut self) {
@@ -55,7 +55,7 @@ impl Ahead {
             let count = lines.min(self.lines - line);
             let first = self.starts[block] + line * LINE;
             for k in 0..count {
-                prefetch(first + k * LINE);
+                ask_line(first + k * LINE);
             }
             (line, lines) = (line + count, lines - count);
             if line == self.lines {
@@ -68,7 +68,7 @@ impl Ahead {
 
 /// Changes nothing but the time.
 #[inline(always)]
-fn prefetch(address: usize) {
+fn ask_line(address: usize) {
     #[cfg(target_arch = "x86_64")]
     {
         use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
