@@ -112,13 +112,22 @@ fn columns<X: Lane>(numbers: Numbers<'_>, length: usize, blocks: &[usize; MOST_L
     let mut doubles = [[0.0; BLOCK]; MOST_LANES];
     for (b, out) in out[..length].chunks_mut(BLOCK).enumerate() {
         for (doubles, block) in doubles[..X::LANES].iter_mut().zip(blocks) {
-            let singles = &singles[block * length + BLOCK * b..][..out.len()];
-            for (double, single) in doubles.iter_mut().zip(singles) {
-                *double = f64::from(*single);
+            let singles = &singles[block * length + BLOCK * b..(block + 1) * length];
+            if let Some(singles) = singles.first_chunk::<BLOCK>() {
+                // Of known length: one instruction.
+                for l in 0..BLOCK {
+                    doubles[l] = f64::from(singles[l]);
+                }
+            } else {
+                doubles.iter_mut().zip(singles).for_each(|(double, single)| *double = f64::from(*single));
             }
         }
         let rows = doubles.each_ref().map(<[f64; BLOCK]>::as_slice);
-        X::load_columns(&rows[..X::LANES], 0, out);
+        if let Some(whole) = out.first_chunk_mut::<BLOCK>() {
+            X::load_columns(&rows[..X::LANES], 0, whole);
+        } else {
+            X::load_columns(&rows[..X::LANES], 0, out);
+        }
     }
 }
 
