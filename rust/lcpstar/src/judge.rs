@@ -46,15 +46,18 @@ pub fn judge_callers<P: Rows>(
     method: Member,
     tol: f64,
 ) -> Solution {
-    let (judged, passed) = best_nearby(problem, z, tol);
+    let (judged, passed, as_given) = best_nearby(problem, z, tol);
     let (alpha, evidence) = match passed {
         Some(passed) => {
-            let alpha = candidate.alpha.take().unwrap_or_else(|| support(&judged.z));
+            // The basis belongs to the point as it was given.
+            let alpha = candidate.alpha.take().filter(|_| as_given).unwrap_or_else(|| support(&judged.z));
             (alpha.clone(), Evidence::Passed(passed, alpha))
         }
         None => (support(&judged.z), against(problem, &mut candidate)),
     };
     let verdict = Verdict::of(evidence);
+    let is_ray = verdict.status() == Status::SecondaryRay;
+    let ray = candidate.ray.filter(|_| is_ray).map(|ray| ray_to_caller(problem, &ray));
     Solution {
         message: explain(problem.original, &verdict, candidate.termination, judged.residual, tol),
         z: judged.z,
@@ -65,7 +68,7 @@ pub fn judge_callers<P: Rows>(
         residual: judged.residual,
         natural_residual: judged.natural_residual,
         alpha,
-        ray: candidate.ray.map(|ray| ray_to_caller(problem, &ray)),
+        ray: ray.filter(Ray::is_finite),
         pieces: vec![],
     }
 }
@@ -119,8 +122,9 @@ impl Judged {
     }
 }
 
-/// The point, or the point without what may be rounding error in it if only that passes; 0 where a number is none.
-fn best_nearby<P: Rows>(problem: &Equilibrated<'_, P>, mut z: Vec<f64>, tol: f64) -> (Judged, Option<Passed>) {
+/// The point, or the point without what may be rounding error in it if only that passes; 0 where a number is none. Whether it passed,
+/// and whether it is the point as given.
+fn best_nearby<P: Rows>(problem: &Equilibrated<'_, P>, mut z: Vec<f64>, tol: f64) -> (Judged, Option<Passed>, bool) {
     for x in &mut z {
         if *x <= 0.0 {
             *x = 0.0; // also turns -0 into 0
@@ -131,24 +135,24 @@ fn best_nearby<P: Rows>(problem: &Equilibrated<'_, P>, mut z: Vec<f64>, tol: f64
     }
     let first = measure(problem, z, tol, None);
     if let Some(passed) = first.passed {
-        return (first, Some(passed));
+        return (first, Some(passed), true);
     }
     let mut tried = first.z.clone();
     for z in without_noise(problem, &first) {
         if z != tried {
             let judged = measure(problem, z, tol, None);
             if let Some(passed) = judged.passed {
-                return (judged, Some(passed));
+                return (judged, Some(passed), false);
             }
             tried = judged.z;
         }
     }
     if first.is_finite() {
-        return (first, None);
+        return (first, None, true);
     }
     let zero = measure(problem, vec![0.0; tried.len()], tol, None);
     let passed = zero.passed;
-    (zero, passed)
+    (zero, passed, false)
 }
 
 /// An entry of z below this part of the largest one may be rounding error, of one solve; after refinement, below its square.
