@@ -197,10 +197,12 @@ pub fn solve_at_length(lcp: &Lcp, settings: &Settings, control: &Control<'_>) ->
     };
     let is_auto = matches!(settings.method, Method::Auto);
     if is_auto && doubt::hides_q(lcp, &solution) {
-        return Ok(prove::or_withdrawn(&problem, solution, settings.tol, control));
+        return Ok(prove::or_withdrawn(&problem, solution, settings, control));
     }
     if is_auto && doubt::is_undecided(&solution) {
-        return Ok(prove::prove(&problem, solution, settings.tol, control));
+        let decided = prove::prove(&problem, solution.clone(), settings, control);
+        let is_answer = matches!(decided.status(), Status::Solved | Status::Infeasible);
+        return Ok(if is_answer { decided } else { solution });
     }
     Ok(finished(&problem, solution, settings, control))
 }
@@ -214,7 +216,7 @@ fn finished<P: Rows>(
 ) -> Solution {
     solution = without_tails(problem, solution, settings.tol);
     if settings.certify == Certify::Exact {
-        solution = prove::prove(problem, solution, settings.tol, control);
+        solution = prove::prove(problem, solution, settings, control);
     }
     let has_answer = matches!(solution.status(), Status::Solved | Status::Infeasible);
     if !has_answer && !matches!(settings.method, Method::Auto) {
@@ -479,8 +481,7 @@ fn at_once(problem: &Equilibrated<'_>, settings: &Settings) -> Option<Solution> 
 fn trivial<P: Rows>(problem: &Equilibrated<'_, P>, tol: f64) -> Option<Solution> {
     problem.original.q().iter().all(|&q| q >= 0.0).then(|| {
         let z = vec![0.0; problem.original.n()];
-        let candidate =
-            Candidate { alpha: Some(vec![]), ..Candidate::point(z, Termination::ComplementaryBasis, 0) };
+        let candidate = Candidate { alpha: Some(vec![]), ..Candidate::point(z, Termination::ComplementaryBasis, 0) };
         judge(problem, candidate, Member::Trivial, tol)
     })
 }

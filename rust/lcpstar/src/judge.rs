@@ -73,13 +73,15 @@ pub fn judge_callers<P: Rows>(
     }
 }
 
-/// The verdict on an exact solution, the point its rounding to doubles. `method` and `iterations` are those that led to it.
+/// The verdict on an exact solution, the point its rounding to doubles. `found` says who led to it and how. Where the rounding does not
+/// pass the rule, it is called solved only where a proof was `asked` for: the answer is then the exact one.
 #[must_use]
 pub(crate) fn proved<P: Rows>(
     problem: &Equilibrated<'_, P>,
     exact: ExactSolution,
     found: &Solution,
     tol: f64,
+    asked: bool,
 ) -> Solution {
     let rounded = exact.z.to_f64();
     let point = rounded.iter().all(|z| z.is_finite()).then(|| measure(problem, rounded, tol, None));
@@ -87,19 +89,31 @@ pub(crate) fn proved<P: Rows>(
     let is_held = point.is_some();
     let judged = point.unwrap_or_else(|| measure(problem, vec![0.0; problem.original.n()], tol, None));
     let residual = judged.residual;
-    let message = match judged.passed {
-        _ if !is_held => "no double holds the solution: certificate.z has it, proved in exact arithmetic".to_owned(),
-        Some(_) => format!("solved: residual {residual:.2e} <= tol {tol:.0e}; proved in exact arithmetic"),
-        None => format!(
-            "solved, proved in exact arithmetic: the solution is certificate.z; its rounding to doubles has residual \
-             {residual:.2e} for tol {tol:.0e}, or an error that is a large part of some row"
-        ),
-    };
     let alpha = exact.alpha.clone();
-    let evidence = if is_held {
-        Evidence::Proved(exact)
-    } else {
-        Evidence::Stopped(Termination::Breakdown("no double holds it"), Some(Aside::Solution(exact)))
+    let unheld = |why| Evidence::Stopped(Termination::Breakdown(why), Some(Aside::Solution(exact.clone())));
+    let (message, evidence) = match judged.passed {
+        Some(_) => (
+            format!("solved: residual {residual:.2e} <= tol {tol:.0e}; proved in exact arithmetic"),
+            Evidence::Proved(exact),
+        ),
+        None if !is_held => (
+            "no double holds the solution: certificate.z has it, proved in exact arithmetic".to_owned(),
+            unheld("no double holds it"),
+        ),
+        None if asked => (
+            format!(
+                "solved, proved in exact arithmetic: the solution is certificate.z; its rounding to doubles has residual \
+                 {residual:.2e} for tol {tol:.0e}, or an error that is a large part of some row"
+            ),
+            Evidence::Proved(exact),
+        ),
+        None => (
+            format!(
+                "the solution is certificate.z, proved in exact arithmetic, but its rounding to doubles misses tol: residual \
+                 {residual:.2e}, tol {tol:.0e}, or a large part of some row; certify=\"exact\" calls it solved"
+            ),
+            unheld("its rounding misses tol"),
+        ),
     };
     Solution {
         message,

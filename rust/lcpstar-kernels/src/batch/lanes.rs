@@ -11,6 +11,7 @@ use super::newton::{Tile, improve_guess, multiply, newton, refine, solve_guess};
 use super::work::{ENUMERATE, LEMKE, NEWTON, Task};
 use crate::small::lane::{BLOCK, Lane, MOST_LANES, Mask};
 use crate::small::lemke::PIVOTS_PER_ROW;
+use crate::small::scales::Scales;
 use crate::small::verify::{Verdict, verify};
 use phase::{PHASES, Phase};
 use transport::transpose;
@@ -30,6 +31,7 @@ pub(super) struct Lanes<X: Lane> {
     n: usize,
     tile: Tile<X>,
     pivots: Pivots<X>,
+    scales: Scales<X>,
     /// Which block of A each lane of the tile holds.
     loaded: [usize; MOST_LANES],
     /// z or w of a tile, problem after problem, and room for one block more.
@@ -70,10 +72,13 @@ impl<X: Lane> Lanes<X> {
     /// Memory for problems of order `n`.
     #[inline(always)]
     pub fn new(n: usize) -> Self {
+        let mut scales = Scales::default();
+        scales.resize(n);
         Self {
             n,
             tile: Tile::new(n),
             pivots: Pivots::new(if n <= LEMKE_ORDER { n } else { 0 }),
+            scales,
             loaded: [usize::MAX; MOST_LANES],
             rows: vec![0.0; X::LANES * n + BLOCK],
             guesses: Vec::new(),
@@ -315,9 +320,9 @@ impl<X: Lane> Lanes<X> {
     }
 
     #[inline(always)]
-    fn verdict<const N: usize>(&self, tol: f64) -> Verdict<X> {
+    fn verdict<const N: usize>(&mut self, tol: f64) -> Verdict<X> {
         let tile = &self.tile;
-        verify::<X, N>(self.n, &tile.a, &tile.q, &tile.z, &tile.w, tol)
+        verify::<X, N>(self.n, &tile.a, &tile.q, &tile.z, &tile.w, tol, &mut self.scales)
     }
 
     /// Lanes with a positive diagonal and lanes with a symmetric matrix.

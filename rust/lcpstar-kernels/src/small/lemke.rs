@@ -8,6 +8,7 @@ use super::covering::Covering;
 use super::lane::Lane;
 use super::prefetch::Prefetch;
 use super::ratio::{first_to_reach_zero, last_to_become_nonnegative};
+use super::scales::Scales;
 use super::tableau::{Tableau, WIDTH, at, put};
 use super::verify::{Accepted, verify_one};
 
@@ -49,18 +50,19 @@ pub const ROUNDING: f64 = 64.0 * f64::EPSILON;
 pub const CANCELLED: f64 = 1e-8;
 
 /// A run of the method and its answer; the memory grows to the largest problem it has seen. Vectors of numbers are padded.
-pub struct Lemke<X> {
+pub struct Lemke<X: Lane> {
     n: usize,
     tableau: Tableau<X>,
     ratio: Vec<X>,
     step: Vec<X>,
     z: Vec<X>,
     sums: Vec<[X; 2]>,
+    scales: Scales<X>,
     /// Pivots of the last run.
     pivots: usize,
 }
 
-impl<X> Default for Lemke<X> {
+impl<X: Lane> Default for Lemke<X> {
     fn default() -> Self {
         Self {
             n: 0,
@@ -69,6 +71,7 @@ impl<X> Default for Lemke<X> {
             step: Vec::new(),
             z: Vec::new(),
             sums: Vec::new(),
+            scales: Scales::default(),
             pivots: 0,
         }
     }
@@ -111,7 +114,7 @@ impl<X: Lane> Lemke<X> {
 
     #[inline(always)]
     fn judge(&mut self, a: &[f64], q: &[f64], w: &mut [f64], tol: f64) -> Option<Accepted> {
-        verify_one(a, q, &self.z, &mut self.sums, w, tol)
+        verify_one(a, q, &self.z, &mut self.sums, w, tol, &mut self.scales)
     }
 
     /// Memory for problems of order n.
@@ -124,7 +127,9 @@ impl<X: Lane> Lemke<X> {
                 v.resize(width, zero);
             }
             self.sums.resize(width, [zero; 2]);
+            self.scales.resize(width);
         }
+        self.scales.forget();
     }
 
     /// Runs the method. O(n^2) a pivot.

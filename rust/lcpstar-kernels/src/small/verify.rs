@@ -3,7 +3,7 @@
 //!
 //! Let `m = |A||z| + |q|`. The computed `w_i` is off by at most `e_i = (n + 2) eps/2 m_i` [Hig02, sec. 3.1], so
 //! `|min(z_i, w_i)| <= b_i := |w_i| + e_i` where `z_i > 0` and `max(e_i - w_i, 0)` where `z_i = 0`. The tests of the rule follow one by
-//! one from those of [`Rows::judge`], each with a thousandth to spare for the rounding of the test itself:
+//! one from those of [`Rows::judge`] and [`Scaled::is_small`], each with a thousandth to spare for the rounding of the test itself:
 //!
 //! 1. and 3.: `max|min(z', w')| <= max b'_i`, which may be `tol max(1, max|z'|)` and `max(tol, 1e-6)` at most;
 //! 2. `b_i <= 10 tol max|q| + 8 eps m_i`;
@@ -11,7 +11,7 @@
 //!    its point.
 
 use super::lane::{BLOCK, Lane, Mask};
-use super::scales;
+use super::scales::Scales;
 
 /// The number of "solved" among the statuses; a batch writes it for what was accepted.
 pub const SOLVED: u8 = 0;
@@ -69,12 +69,19 @@ const LARGEST: f64 = 1e8;
 /// What `max|min(z', w')|` may be.
 const ABSOLUTE: f64 = 1e-6;
 
-/// Judges `z >= 0` and `w = A z + q` as computed. O(n^2).
+/// Judges `z >= 0` and `w = A z + q` as computed. O(n^2). The scales are found if some lane may solve its problem.
 #[inline(always)]
-pub fn verify<X: Lane, const N: usize>(n: usize, a: &[X], q: &[X], z: &[X], w: &[X], tol: f64) -> Verdict<X> {
+pub fn verify<X: Lane, const N: usize>(
+    n: usize,
+    a: &[X],
+    q: &[X],
+    z: &[X],
+    w: &[X],
+    tol: f64,
+    scales: &mut Scales<X>,
+) -> Verdict<X> {
     let n = if N == 0 { n } else { N };
     let (a, q, z, w) = (&a[..n * n], &q[..n], &z[..n], &w[..n]);
-    let (scales, trusted) = scales::in_lanes::<X, N>(n, a, q);
     let mut largest_q = X::splat(0.0);
     for i in 0..n {
         largest_q = q[i].abs().max(largest_q);
@@ -89,7 +96,7 @@ pub fn verify<X: Lane, const N: usize>(n: usize, a: &[X], q: &[X], z: &[X], w: &
             }
         }
         for r in 0..4 {
-            rows.judge(z[i + r], w[i + r], m[r], scales.of(i + r));
+            scales.bounds[i + r] = rows.judge(z[i + r], w[i + r], m[r]);
         }
         i += 4;
     }
@@ -98,14 +105,23 @@ pub fn verify<X: Lane, const N: usize>(n: usize, a: &[X], q: &[X], z: &[X], w: &
         for j in 0..n {
             m = m.add_product(a[i * n + j].abs(), z[j]);
         }
-        rows.judge(z[i], w[i], m, scales.of(i));
+        scales.bounds[i] = rows.judge(z[i], w[i], m);
         i += 1;
     }
-    let mut solved = rows.solved.and(trusted).and(rows.is_small(tol));
+    let mut solved = rows.solved;
     if solved.and(rows.empty).any() {
         solved = solved.and(nothing_lost::<X, N>(n, a, q, z));
     }
-    Verdict { solved, residual: rows.residual(), natural_residual: rows.natural }
+    if !solved.any() {
+        return Verdict { solved, residual: rows.natural, natural_residual: rows.natural };
+    }
+    scales.find_in_lanes::<N>(n, a, q);
+    let mut scaled = Scaled::new();
+    for i in 0..n {
+        scaled.add(z[i], w[i], scales.bounds[i], scales.of(i));
+    }
+    let solved = solved.and(scales.trusted).and(scaled.is_small(tol));
+    Verdict { solved, residual: scaled.residual(), natural_residual: rows.natural }
 }
 
 /// Lanes where an `m_i = 0` means that the row has no term, not that every product underflowed.
@@ -126,7 +142,7 @@ fn nothing_lost<X: Lane, const N: usize>(n: usize, a: &[X], q: &[X], z: &[X]) ->
     all
 }
 
-/// The rows judged so far.
+/// The rows judged so far, in the caller's units.
 struct Rows<X: Lane> {
     rounding: X,
     allowed: X,
@@ -135,17 +151,12 @@ struct Rows<X: Lane> {
     solved: X::Mask,
     /// Some `m_i` is zero.
     empty: X::Mask,
-    /// `max b'_i`, `max|min(z', w')|` and `max(1, max|z'|)`.
-    bound: X,
-    scaled: X,
-    largest_z: X,
     natural: X,
 }
 
 impl<X: Lane> Rows<X> {
     #[inline(always)]
     fn new(n: usize, largest_q: X, tol: f64) -> Self {
-        let zero = X::splat(0.0);
         Self {
             rounding: X::splat(0.5 * (n as f64 + 2.0) * f64::EPSILON * 1.01),
             allowed: largest_q.mul(X::splat(9.99 * tol)),
@@ -153,17 +164,13 @@ impl<X: Lane> Rows<X> {
             largest_m: largest_q.mul(X::splat(LARGEST)),
             solved: X::Mask::ALL,
             empty: X::Mask::NONE,
-            bound: zero,
-            scaled: zero,
-            largest_z: X::splat(1.0),
-            natural: zero,
+            natural: X::splat(0.0),
         }
     }
 
-    /// Row i: `z_i`, `w_i`, `m_i`, and the factors `R_i`, `1 / C_i`, `S`. Not a closure: those are not compiled for the
-    /// instruction set of their caller.
+    /// Row i: `z_i`, `w_i`, `m_i`; returns `b_i`. Not a closure: those are not compiled for the instruction set of their caller.
     #[inline(always)]
-    fn judge(&mut self, z: X, w: X, m: X, [r, c, s]: [X; 3]) {
+    fn judge(&mut self, z: X, w: X, m: X) -> X {
         let zero = X::splat(0.0);
         let (least, most) = (X::splat(MAGNITUDES.start), X::splat(MAGNITUDES.end));
         let e = self.rounding.mul(m);
@@ -173,11 +180,32 @@ impl<X: Lane> Rows<X> {
         let in_part = b.le(m.mul(self.part));
         self.solved = self.solved.and(in_range).and(in_units).and(in_part).and(zero.le(z));
         self.empty = self.empty.or(m.eq(zero));
-        self.bound = b.mul(r).mul(s).max(self.bound);
-        let (scaled_z, scaled_w) = (z.mul(c).mul(s), w.mul(r).mul(s));
-        self.scaled = scaled_z.min(scaled_w).abs().max(self.scaled);
-        self.largest_z = scaled_z.max(self.largest_z);
         self.natural = z.min(w).abs().max(self.natural);
+        b
+    }
+}
+
+/// The rows judged so far, on the equilibrated problem.
+struct Scaled<X: Lane> {
+    /// `max b'_i`, `max|min(z', w')|` and `max(1, max|z'|)`.
+    bound: X,
+    violation: X,
+    largest_z: X,
+}
+
+impl<X: Lane> Scaled<X> {
+    #[inline(always)]
+    fn new() -> Self {
+        Self { bound: X::splat(0.0), violation: X::splat(0.0), largest_z: X::splat(1.0) }
+    }
+
+    /// Row i: `z_i`, `w_i`, `b_i`, and the factors `R_i`, `1 / C_i`, `S`.
+    #[inline(always)]
+    fn add(&mut self, z: X, w: X, b: X, [r, c, s]: [X; 3]) {
+        let (z, w) = (z.mul(c).mul(s), w.mul(r).mul(s));
+        self.bound = b.mul(r).mul(s).max(self.bound);
+        self.violation = z.min(w).abs().max(self.violation);
+        self.largest_z = z.max(self.largest_z);
     }
 
     /// Tests 1 and 3, lane by lane.
@@ -189,7 +217,7 @@ impl<X: Lane> Rows<X> {
 
     #[inline(always)]
     fn residual(&self) -> X {
-        self.scaled.div(self.largest_z)
+        self.violation.div(self.largest_z)
     }
 }
 
@@ -202,6 +230,7 @@ pub fn verify_one<X: Lane>(
     sums: &mut [[X; 2]],
     w: &mut [f64],
     tol: f64,
+    scales: &mut Scales<X>,
 ) -> Option<Accepted> {
     let n = q.len();
     let mut largest_q = X::splat(0.0);
@@ -209,23 +238,26 @@ pub fn verify_one<X: Lane>(
         largest_q = X::from_slice(q).abs().max(largest_q);
     }
     slacks_and_magnitudes(a, q, z, sums);
-    for (sums, w) in sums.iter().zip(w.chunks_mut(BLOCK)) {
+    let mut rows = Rows::<X>::new(n, X::splat(largest_q.largest()), tol);
+    for (((sums, z), w), b) in sums.iter().zip(z).zip(w.chunks_mut(BLOCK)).zip(&mut scales.bounds) {
+        *b = rows.judge(*z, sums[0], sums[1]);
         for (l, w) in w.iter_mut().enumerate() {
             *w = sums[0].get(l);
         }
     }
-    let scales = scales::of_one::<X>(a, q)?;
-    let mut rows = Rows::<X>::new(n, X::splat(largest_q.largest()), tol);
-    for (k, (sums, z)) in sums.iter().zip(z).enumerate() {
-        rows.judge(*z, sums[0], sums[1], scales.of(k));
+    if rows.solved.not().any() || (rows.empty.any() && something_lost(n, a, z, sums)) {
+        return None;
     }
-    // What holds of the largest of all lanes.
-    for x in [&mut rows.bound, &mut rows.scaled, &mut rows.largest_z, &mut rows.natural] {
+    scales.find_for_one(a, q);
+    let mut scaled = Scaled::new();
+    for (k, (sums, z)) in sums.iter().zip(z).enumerate() {
+        scaled.add(*z, sums[0], scales.bounds[k], scales.of(k));
+    }
+    for x in [&mut scaled.bound, &mut scaled.violation, &mut scaled.largest_z] {
         *x = X::splat(x.largest());
     }
-    let solved = !rows.solved.and(rows.is_small(tol)).not().any();
-    let solved = solved && !(rows.empty.any() && something_lost(n, a, z, sums));
-    let (residual, natural_residual) = (rows.residual().get(0), rows.natural.get(0));
+    let solved = !scales.trusted.and(scaled.is_small(tol)).not().any();
+    let (residual, natural_residual) = (scaled.residual().get(0), rows.natural.largest());
     solved.then_some(Accepted { residual, natural_residual })
 }
 

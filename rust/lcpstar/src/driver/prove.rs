@@ -4,6 +4,7 @@
 //! said ([`Farkas::new`], [`check_solution`]): one look at the numbers, whatever became of them on the way. Only the equations
 //! of a basis that [`prove_solution`] accepts are not: the p-adic solve has proved them.
 
+use super::{Certify, Settings};
 use crate::control::Control;
 use crate::equilibrate::{Equilibrated, Rows};
 use crate::exact::face::{prove_by_programme, prove_tight};
@@ -31,9 +32,10 @@ use crate::verdict::{Aside, Certificate, Evidence, Verdict};
 pub(super) fn prove<P: Rows>(
     problem: &Equilibrated<'_, P>,
     mut solution: Solution,
-    tol: f64,
+    settings: &Settings,
     control: &Control<'_>,
 ) -> Solution {
+    let (tol, asked) = (settings.tol, settings.certify == Certify::Exact);
     let Some(lcp) = problem.original.dense() else { return solution };
     let stop = || control.expired().is_some();
     match solution.status() {
@@ -41,7 +43,7 @@ pub(super) fn prove<P: Rows>(
         Status::TimeLimit => {}
         Status::Solved => {
             if let Some(exact) = solution_near(&lcp, &solution, control, &stop) {
-                return proved(problem, exact, &solution, tol);
+                return proved(problem, exact, &solution, tol, asked);
             }
             if let Some(farkas) = exact_farkas(&lcp, control) {
                 let residual = solution.residual;
@@ -54,7 +56,7 @@ pub(super) fn prove<P: Rows>(
             if let Some(farkas) = exact_farkas(&lcp, control) {
                 return infeasible(solution, farkas);
             }
-            return by_exact_path(problem, &lcp, solution, tol, &stop);
+            return by_exact_path(problem, &lcp, solution, settings, &stop);
         }
     }
     solution.message.push_str("; not proved: the limits were reached, or the exact path from this basis ends on a ray");
@@ -65,11 +67,11 @@ pub(super) fn prove<P: Rows>(
 pub(super) fn or_withdrawn<P: Rows>(
     problem: &Equilibrated<'_, P>,
     solution: Solution,
-    tol: f64,
+    settings: &Settings,
     control: &Control<'_>,
 ) -> Solution {
     let residual = solution.residual;
-    let mut solution = prove(problem, solution, tol, control);
+    let mut solution = prove(problem, solution, settings, control);
     let is_proved = matches!(
         solution.certificate(),
         Some(Certificate::Solution { exact: Some(_), .. } | Certificate::Infeasible { .. })
@@ -181,7 +183,7 @@ fn by_exact_path<P: Rows>(
     problem: &Equilibrated<'_, P>,
     lcp: &Lcp,
     mut solution: Solution,
-    tol: f64,
+    settings: &Settings,
     stop: &dyn Fn() -> bool,
 ) -> Solution {
     if let Repaired::Solved(exact, pivots) = repair::repair(lcp.view(), &solution.alpha, stop)
@@ -189,7 +191,7 @@ fn by_exact_path<P: Rows>(
     {
         solution.iterations += pivots;
         solution.method = Member::ExactLemke;
-        return proved(problem, exact, &solution, tol);
+        return proved(problem, exact, &solution, settings.tol, settings.certify == Certify::Exact);
     }
     if let Some(ray) = &solution.ray
         && solution.status() == Status::SecondaryRay

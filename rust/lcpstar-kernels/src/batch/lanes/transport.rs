@@ -18,6 +18,7 @@ impl<X: Lane> Lanes<X> {
             let place = task.first + members[l.min(members.len() - 1)];
             (a_blocks[l], q_blocks[l]) = (problems.a_source.block(place), problems.q_source.block(place));
         }
+        self.scales.forget();
         let tile = &mut self.tile;
         if a_blocks[..X::LANES] != self.loaded[..X::LANES] {
             columns(problems.a, n * n, &a_blocks, &mut tile.a);
