@@ -6,9 +6,9 @@ use super::lane::{BLOCK, Lane, Mask};
 /// Sweeps at most.
 const SWEEPS: usize = 12;
 
-/// Largest entries whose products with the factors stay far from both ends of the range of doubles.
-const LEAST: f64 = 1e-280;
-const MOST: f64 = 1e150;
+/// Rows and columns with their largest entries in this range, its inverse the least, keep all factors, and all products with them, far
+/// from both ends of the range of doubles: no sweep widens the range of the largest entries.
+const MOST: f64 = 1e90;
 
 /// `R`, `1 / C` and `S`: `A' = R A C`, `q' = S R q`, so that `z' = S C^-1 z` and `w' = S R w`; and the memory to find them. A vector
 /// holds one row of several problems, or a block of rows of one.
@@ -88,22 +88,31 @@ impl<X: Lane> Scales<X> {
             for i in 0..n {
                 let (r, row) = (rows[i], &a[i * n..(i + 1) * n]);
                 let mut largest = X::splat(0.0);
-                for j in 0..n {
-                    let size = row[j].abs();
-                    largest = size.mul(columns[j]).max(largest);
-                    column_max[j] = size.mul(r).max(column_max[j]);
+                if sweep == 0 {
+                    for j in 0..n {
+                        let size = row[j].abs();
+                        largest = size.max(largest);
+                        column_max[j] = size.max(column_max[j]);
+                    }
+                } else {
+                    for j in 0..n {
+                        let size = row[j].abs();
+                        largest = size.mul(columns[j]).max(largest);
+                        column_max[j] = size.mul(r).max(column_max[j]);
+                    }
                 }
                 row_max[i] = largest.mul(r);
             }
-            if self.step(n, sweep) {
+            if self.is_settled(n, sweep) {
                 break;
             }
+            self.step(n);
         }
         let mut largest = X::splat(0.0);
         for (q, r) in q[..n].iter().zip(&self.rows) {
             largest = q.abs().mul(*r).max(largest);
         }
-        self.finish(largest);
+        self.finish(n, largest);
     }
 
     /// Finds the scales of one problem in blocks of `BLOCK` rows, unless they are known. O(n^2) a sweep.
@@ -128,15 +137,16 @@ impl<X: Lane> Scales<X> {
                 }
                 row_max[i / BLOCK].set(i % BLOCK, largest.largest() * r);
             }
-            if self.step(width, sweep) {
+            if self.is_settled(width, sweep) {
                 break;
             }
+            self.step(width);
         }
         let mut largest = X::splat(0.0);
         for (q, r) in q.chunks(BLOCK).zip(&self.rows) {
             largest = X::from_slice(q).abs().mul(*r).max(largest);
         }
-        self.finish(X::splat(largest.largest()));
+        self.finish(width, X::splat(largest.largest()));
     }
 
     #[inline(always)]
@@ -144,44 +154,53 @@ impl<X: Lane> Scales<X> {
         let one = X::splat(1.0);
         self.rows[..length].fill(one);
         self.columns[..length].fill(one);
-        self.inverse[..length].fill(one);
         // Lanes beyond the last row have no entries.
         self.row_max[..length].fill(X::splat(0.0));
         self.trusted = X::Mask::ALL;
     }
 
-    /// Moves every largest entry half the way to 1 in exponent; whether all are there.
+    /// Whether every row and column has its largest entry in [1/4, 2), or none; the largest of columns become those of `R A C`.
     #[inline(always)]
-    fn step(&mut self, length: usize, sweep: usize) -> bool {
-        let zero = X::splat(0.0);
-        let (least, most) = (X::splat(if sweep == 0 { 1.0 / MOST } else { LEAST }), X::splat(MOST));
-        let mut settled = X::Mask::ALL;
+    fn is_settled(&mut self, length: usize, sweep: usize) -> bool {
+        let (zero, quarter, two) = (X::splat(0.0), X::splat(0.25), X::splat(2.0));
+        let (mut least, mut most) = (quarter, quarter);
         for i in 0..length {
-            let (row, column) = (self.row_max[i], self.column_max[i].mul(self.columns[i]));
-            for x in [row, column] {
-                self.trusted = self.trusted.and(x.lt(most)).and(least.le(x).or(x.eq(zero)));
+            self.column_max[i] = self.column_max[i].mul(self.columns[i]);
+            for x in [self.row_max[i], self.column_max[i]] {
+                most = x.max(most);
+                least = x.or_else(zero.lt(x), quarter).min(least);
             }
-            let (r, c) = (half(row), half(column));
-            settled = settled.and(r.eq(zero)).and(c.eq(zero));
-            self.rows[i] = self.rows[i].mul(r.neg().two_to());
-            self.columns[i] = self.columns[i].mul(c.neg().two_to());
-            self.inverse[i] = self.inverse[i].mul(c.two_to());
         }
-        !settled.not().any()
+        if sweep == 0 {
+            self.trusted = most.lt(X::splat(MOST)).and(X::splat(1.0 / MOST).le(least));
+        }
+        !quarter.le(least).and(most.lt(two)).not().any()
     }
 
-    /// The factor that brings the largest `|R q|` into [1/2, 1).
+    /// Moves every largest entry half the way to 1 in exponent.
     #[inline(always)]
-    fn finish(&mut self, largest: X) {
-        let (zero, most) = (X::splat(0.0), X::splat(MOST));
+    fn step(&mut self, length: usize) {
+        for i in 0..length {
+            self.rows[i] = self.rows[i].mul(halfway(self.row_max[i]));
+            self.columns[i] = self.columns[i].mul(halfway(self.column_max[i]));
+        }
+    }
+
+    /// The inverse factors of columns, and the factor that brings the largest `|R q|` into [1/2, 1).
+    #[inline(always)]
+    fn finish(&mut self, length: usize, largest: X) {
+        let (zero, one, most) = (X::splat(0.0), X::splat(1.0), X::splat(MOST));
+        for (inverse, c) in self.inverse[..length].iter_mut().zip(&self.columns) {
+            *inverse = one.sub(c.exponent()).two_to();
+        }
         self.trusted = self.trusted.and(largest.lt(most)).and(X::splat(1.0 / MOST).le(largest).or(largest.eq(zero)));
         self.q = largest.exponent().only(zero.lt(largest)).neg().two_to();
         self.is_known = true;
     }
 }
 
-/// Half the exponent e of a largest entry, `2^(e-1) <= x < 2^e`, rounded towards 0; 0 for no entry.
+/// `2^-(e / 2)`, half the exponent e of a largest entry rounded towards 0, `2^(e-1) <= x < 2^e`; 1 for no entry.
 #[inline(always)]
-fn half<X: Lane>(x: X) -> X {
-    x.exponent().only(X::splat(0.0).lt(x)).mul(X::splat(0.5)).truncated()
+fn halfway<X: Lane>(x: X) -> X {
+    x.exponent().only(X::splat(0.0).lt(x)).mul(X::splat(-0.5)).truncated().two_to()
 }
