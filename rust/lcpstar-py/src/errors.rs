@@ -96,12 +96,12 @@ pub fn to_python(py: Python<'_>, error: &LcpError) -> PyErr {
     let class = match error {
         LcpError::NotSquare { .. } | LcpError::WrongLength { .. } => "ShapeError",
         LcpError::NotFinite { .. } => "NotFiniteError",
-        LcpError::NonPositive { .. } | LcpError::Negative { .. } | LcpError::OutOfRange { .. } => "OptionError",
         LcpError::UnknownName { .. } => "UnknownNameError",
         LcpError::BadIndex { .. } => "IndexSetError",
         LcpError::SingularBlock { .. } => "SingularBlockError",
         LcpError::NotStrictlyFeasible { .. } => "StartError",
         LcpError::TooLarge { .. } => "TooLargeError",
+        _ => "OptionError",
     };
     raise(py, class, &error.to_string())
 }

@@ -1,18 +1,17 @@
-//! Bulk scans: formulas come as nested tuples, ranges of matrix numbers go to threads.
+//! Bulk scans: formulas come as nested tuples.
 
-use lcpstar::classes::budget::{Budget, Search, Stopped};
+use lcpstar::Control;
+use lcpstar::classes::budget::Stopped;
 use lcpstar::classes::class::{Class, Facts};
 use lcpstar::classes::formula::{Derived, Formula, Quantity, Range};
-use lcpstar::classes::scan::{Space, Tally};
-use lcpstar::control::in_threads;
+use lcpstar::classes::scan::Space;
 use lcpstar::exact::int::Int;
+use lcpstar::explore::explore;
 use num_bigint::BigInt;
 use pyo3::exceptions::{PyTimeoutError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 use std::cmp::Ordering;
-use std::sync::atomic::AtomicU64;
-use std::sync::atomic::Ordering::Relaxed;
 use std::time::Instant;
 
 use crate::classes::IntegerMatrix;
@@ -102,9 +101,6 @@ fn range(tree: &Bound<'_, PyAny>) -> PyResult<Range> {
     }
 }
 
-/// Matrices that a thread takes at a time.
-const PER_TASK: u64 = 64;
-
 /// Scans matrices `start..stop`: (scanned, hypothesis, failed, (number, entries) of the smallest failure or None).
 #[pyfunction]
 #[pyo3(signature = (n, entries, up_to_permutation, seed, hypothesis, conclusion, start, stop, threads, time_limit=None))]
@@ -126,27 +122,10 @@ pub fn scan(
     let space = Space { n, entries, up_to_permutation, seed };
     let deadline = time_limit.and_then(|limit| after(Instant::now(), limit));
     let signals = Signals::new();
-    let next = AtomicU64::new(start);
-    let run = || -> Search<Tally> {
-        let cancelled = || signals.interrupted();
-        let budget = Budget::new(deadline, Some(&cancelled));
-        let mut sum = Tally::default();
-        loop {
-            let from = next.fetch_add(PER_TASK, Relaxed);
-            if from >= stop {
-                return Ok(sum);
-            }
-            sum.add(space.scan(&hypothesis, &conclusion, from, (from + PER_TASK).min(stop), &budget)?);
-        }
-    };
-    let tasks = stop.saturating_sub(start).div_ceil(PER_TASK) as usize;
-    let helpers = threads.min(tasks).saturating_sub(1);
-    let tallies = enter_core(py, || Ok(in_threads(helpers, run, || _ = signals.interrupted())))?;
+    let control = Control { deadline, interrupted: Some(&|| signals.interrupted()), ..Control::default() };
+    let tally = enter_core(py, || Ok(explore(&space, &hypothesis, &conclusion, start..stop, threads, &control)))?;
     signals.raise()?;
-    let mut sum = Tally::default();
-    for tally in tallies {
-        sum.add(tally.map_err(|(Stopped::TimeLimit | Stopped::Cancelled)| PyTimeoutError::new_err((0, 0)))?);
-    }
+    let sum = tally.map_err(|(Stopped::TimeLimit | Stopped::Cancelled)| PyTimeoutError::new_err((0, 0)))?;
     Ok((sum.scanned, sum.hypothesis, sum.failed, sum.smallest))
 }
 

@@ -8,6 +8,7 @@ use pyo3::sync::PyOnceLock;
 use pyo3::types::PyDict;
 
 use crate::arrays::frozen_array;
+use crate::errors::raise;
 
 /// The verified result of one solve; see the stub file for the fields.
 #[pyclass(name = "Solution", module = "lcpstar", frozen, weakref)]
@@ -148,6 +149,7 @@ fn certificate_object(py: Python<'_>, certificate: &Certificate) -> PyResult<Py<
             fields.set_item("exact", true)?;
             fields.set_item(if found.transposed { "y" } else { "z" }, fractions(py, &found.x)?)?;
         }
+        _ => return Err(raise(py, "InternalError", "a certificate of an unknown kind")),
     }
     result_class(py, "Certificate", &fields)
 }

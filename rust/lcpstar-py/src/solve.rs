@@ -45,7 +45,6 @@ pub fn method(py: Python<'_>, name: &str, options: Option<&Bound<'_, PyAny>>, n:
     let mut method = Method::from_name(name).map_err(|e| to_python(py, &e))?;
     let Some(options) = options else { return Ok(method) };
     match &mut method {
-        Method::Auto | Method::PrincipalPivoting | Method::Chandrasekaran | Method::Enumerate => {}
         Method::Lemke { settings: lemke::Settings { d }, restarts, seed } => {
             let given: LemkeOptions<'_> = options.extract()?;
             *d = given.d.as_ref().map(numbers);
@@ -69,6 +68,7 @@ pub fn method(py: Python<'_>, name: &str, options: Option<&Bound<'_, PyAny>>, n:
         Method::InteriorPoint(settings) => crate::interior::set_interior_options(settings, options)?,
         Method::PotentialReduction(settings) => crate::interior::set_potential_options(py, settings, options)?,
         Method::Approximate(method) => crate::approximate::set_options(method, options)?,
+        _ => {}
     }
     Ok(method)
 }

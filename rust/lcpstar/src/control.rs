@@ -49,8 +49,9 @@ const LOOK_EVERY: Duration = Duration::from_millis(20);
 
 /// Runs `work` in this thread and in `helpers` others; the result of this one comes first.
 ///
-/// `look` is called here while the others are at work: only the thread that the caller came with can see his Ctrl-C.
+/// Without the feature `parallel` there are no others. `look` is called here while the others are at work: only the thread that the caller came with can see his Ctrl-C.
 pub fn in_threads<T: Send>(helpers: usize, work: impl Fn() -> T + Sync, look: impl Fn()) -> Vec<T> {
+    let helpers = if cfg!(feature = "parallel") { helpers } else { 0 };
     let work = &work;
     std::thread::scope(|scope| {
         let (working, done) = channel::<()>();

@@ -30,6 +30,7 @@ pub use approximate::Approximate;
 
 /// The method and its options. Vectors (`d`) are in the caller's units.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub enum Method {
     /// The documented portfolio: see [`portfolio`].
     Auto,

@@ -7,6 +7,7 @@ pub type Result<T> = std::result::Result<T, LcpError>;
 
 /// A broken promise of the caller: names the argument, shows the number, says the rule.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum LcpError {
     /// `name` must be a square matrix.
     NotSquare {
@@ -107,6 +108,13 @@ pub enum LcpError {
         /// The largest order accepted.
         limit: usize,
     },
+    /// An option that this function does not take.
+    NotTaken {
+        /// The option.
+        name: &'static str,
+        /// The function.
+        by: &'static str,
+    },
 }
 
 impl fmt::Display for LcpError {
@@ -147,6 +155,7 @@ impl fmt::Display for LcpError {
                 write!(f, "z0 must be strictly feasible (z0 > 0 and A z0 + q > 0), got ({name})[{index}] = {value}")
             }
             Self::TooLarge { name, n, limit } => write!(f, "{name} takes n <= {limit}, got n = {n}"),
+            Self::NotTaken { name, by } => write!(f, "{by} takes no {name}"),
         }
     }
 }

@@ -1,42 +1,83 @@
-//! lcpstar: the linear complementarity problem LCP(q, A),
+#![doc = include_str!("../README.md")]
 //!
-//! find `z` with  `w = A z + q >= 0`,  `z >= 0`,  `z'w = 0`,
-//!
-//! solved, verified and, on request, proved. Imports point one way:
-//! `error, status <- problem <- linalg, residual, pivoting, exact, presolve <- methods, judge <- driver <- batch`.
-//! [CPS92] writes `M` for our `A`; here `M` is a principal pivot transform of `A`.
+//! # Inside
+//! Imports point one way:
+//! `error, status <- problem <- linalg, residual, pivoting, exact, presolve <- methods, judge <- driver <- batch <- api`.
+//! [CPS92] writes `M` for our `A`; inside, `M` is a principal pivot transform of `A`. Hidden modules are for the crates of this
+//! repository and promise nothing.
 
+mod api;
+mod error;
+mod judge;
+mod options;
+mod presolve;
+mod problem;
+mod refute;
+mod residual;
+mod solution;
+mod sparse;
+mod status;
+mod tails;
+mod verdict;
+
+#[doc(hidden)]
 pub mod accuracy;
+#[doc(hidden)]
 pub mod batch;
+#[doc(hidden)]
 pub mod control;
+#[doc(hidden)]
 pub mod driver;
+#[doc(hidden)]
 pub mod equilibrate;
-pub mod error;
+#[cfg(feature = "exact")]
+#[doc(hidden)]
+pub mod explore;
+#[doc(hidden)]
 pub mod iterative;
-pub mod judge;
+#[doc(hidden)]
 pub mod methods;
+#[doc(hidden)]
 pub mod pivoting;
-pub mod presolve;
-pub mod problem;
-pub mod refute;
-pub mod residual;
+#[doc(hidden)]
 pub mod scaling;
-pub mod solution;
+#[cfg(feature = "exact")]
+#[doc(hidden)]
 pub mod solutions;
-pub mod sparse;
-pub mod status;
-pub mod tails;
-pub mod verdict;
 
-pub use control::Control;
+#[cfg(feature = "exact")]
+pub use api::all_solutions;
+pub use api::{Batch, classify, is_in_class, ppt, solve, solve_batch, solve_sparse};
+pub use driver::{Certify, Method};
 pub use error::{LcpError, Result};
-pub use lcpstar_exact as exact;
-pub use lcpstar_exact::classes;
-pub use lcpstar_kernels::member::{self, Member};
-pub use lcpstar_kernels::small;
-pub use lcpstar_linalg as linalg;
+pub use lcpstar_exact::dyadic::RationalVec;
+pub use lcpstar_exact::sufficiency::NotSufficient;
+pub use lcpstar_kernels::member::Member;
+pub use options::Options;
 pub use problem::Lcp;
-pub use solution::{Candidate, Piece, Ray, Solution};
+pub use solution::{Piece, Ray, Solution};
+#[cfg(feature = "exact")]
+pub use solutions::Face;
 pub use sparse::SparseLcp;
-pub use status::{Status, Termination};
-pub use verdict::{Certificate, Verdict};
+pub use status::Status;
+pub use verdict::Certificate;
+
+#[doc(hidden)]
+pub use control::Control;
+#[doc(hidden)]
+pub use lcpstar_exact::{self as exact, classes};
+#[doc(hidden)]
+pub use lcpstar_kernels::{member, small};
+#[doc(hidden)]
+pub use lcpstar_linalg as linalg;
+#[doc(hidden)]
+pub use solution::Candidate;
+#[doc(hidden)]
+pub use status::Termination;
+#[doc(hidden)]
+pub use verdict::Verdict;
+
+/// What most programs need: `use lcpstar::prelude::*;`.
+pub mod prelude {
+    pub use crate::{Certificate, Lcp, Options, Solution, SparseLcp, Status, solve, solve_batch, solve_sparse};
+}

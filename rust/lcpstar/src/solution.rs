@@ -8,6 +8,7 @@ use crate::verdict::{Certificate, Verdict};
 /// A secondary ray of Lemke's method: `w + t w_hat = A (z + t z_hat) + q + d (z0 + t z0_hat)` stays
 /// almost complementary for all `t >= 0`.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Ray {
     /// Where the ray starts.
     pub z: Vec<f64>,

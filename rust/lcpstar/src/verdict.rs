@@ -94,6 +94,7 @@ fn stopped(termination: Termination) -> Status {
 
 /// Why the status may be believed.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum Certificate {
     /// `z` solves the problem; `alpha` is its complementary basis or support.
     Solution {
