@@ -13,7 +13,7 @@ export OMP_NUM_THREADS ?= 1
 
 RUST_SOURCES := $(shell find rust -name '*.rs') Cargo.toml Cargo.lock rust/lcpstar/Cargo.toml rust/lcpstar-py/Cargo.toml
 
-.PHONY: help demo build test test-rust test-python lint fmt bench bench-deps bench-tradeoff corpus stress stress-record fuzz miri soak \
+.PHONY: help demo build test test-rust test-python lint fmt bench bench-deps bench-rust bench-tradeoff corpus stress stress-record fuzz miri soak \
 	coverage wheel docs all clean
 
 help: ## list the targets
@@ -37,7 +37,8 @@ demo: build ## the main job: the paper, a PPT, a verdict, a stack of boxes
 test: test-rust test-python ## all tests
 
 test-rust:
-	cargo test --quiet --release -p lcpstar -p lcpstar-stress
+	cargo test --quiet --release --workspace --exclude lcpstar-py
+	cd examples/rust-crate && cargo run --quiet --target-dir ../../target
 
 test-python: build
 	$(BIN)/pytest
@@ -52,7 +53,7 @@ stress-record: ## the same, and write docs/stress.md and benches/record/stress.m
 lint: build ## formatting, clippy, ruff, mypy, stubs, Rust docs
 	cargo fmt --all --check
 	cargo clippy --quiet --release --workspace --all-targets -- -D warnings
-	RUSTDOCFLAGS="-D warnings" cargo doc --quiet --release --no-deps -p lcpstar
+	RUSTDOCFLAGS="-D warnings" cargo doc --quiet --release --no-deps --workspace --exclude lcpstar-py --exclude lcpstar-stress
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
@@ -71,6 +72,9 @@ bench-deps: $(VENV)/.bench ## the peers that benchmarks compare with
 
 bench: build $(VENV)/.bench ## benchmarks beside peers, recorded in benches/record/
 	$(PY) benches/run.py
+
+bench-rust: ## the core without Python, recorded; AGAINST=COMMIT compares with that commit instead
+	$(PYTHON) benches/rust.py $(if $(AGAINST),--against $(AGAINST))
 
 corpus: build ## every problem of $$LCPSTAR_CORPUS solved and proved; writes docs/corpus.md
 	cd benches && ../$(PY) corpus.py

@@ -4,7 +4,7 @@ use crate::batch::{self, Alpha, Guess, Numbers, Output, Problems, Source};
 use crate::control::Control;
 use crate::driver::{self, Certify};
 use crate::error::{LcpError, Result};
-use crate::exact::classes::budget::{Budget, Stopped};
+use crate::exact::classes::budget::Budget;
 use crate::exact::classes::class::{Class, Facts, SYMBOLS};
 use crate::exact::dyadic::RationalVec;
 use crate::exact::imatrix::IMatrix;
@@ -247,7 +247,7 @@ pub fn is_in_class(a: &[f64], n: usize, symbol: &str, time_limit: Option<Duratio
         choices: &SYMBOLS_ONLY,
     })?;
     let facts = facts(a, n)?;
-    Ok(decided(&facts, class, &Budget::new(deadline(time_limit), None)))
+    Ok(facts.holds(class, &Budget::new(deadline(time_limit), None)).ok())
 }
 
 /// Each class, by its symbol, and whether A is in it; `None` for what `time_limit` left open.
@@ -266,14 +266,7 @@ pub fn is_in_class(a: &[f64], n: usize, symbol: &str, time_limit: Option<Duratio
 pub fn classify(a: &[f64], n: usize, time_limit: Option<Duration>) -> Result<Vec<(&'static str, Option<bool>)>> {
     let facts = facts(a, n)?;
     let budget = Budget::new(deadline(time_limit), None);
-    Ok(SYMBOLS.iter().map(|&(symbol, class)| (symbol, decided(&facts, class, &budget))).collect())
-}
-
-fn decided(facts: &Facts, class: Class, budget: &Budget<'_>) -> Option<bool> {
-    match facts.holds(class, budget) {
-        Ok(answer) => Some(answer),
-        Err(Stopped::TimeLimit | Stopped::Cancelled) => None,
-    }
+    Ok(SYMBOLS.iter().map(|&(symbol, class)| (symbol, facts.holds(class, &budget).ok())).collect())
 }
 
 /// The symbols of the classes.
