@@ -82,12 +82,15 @@ def main() -> None:
     (times,) = in_turns([here], given.names, given.rounds)
     rows = "".join(f"| {name} | {text(seconds)} |\n" for name, seconds in times.items())
     commit = output("git", "rev-parse", "--short", "HEAD").strip()
-    record = (
-        f"# The core, from Rust\n\nMachine: {machine()}; commit {commit}. One thread. Command: `make bench-rust`; "
-        "`make bench-rust AGAINST=COMMIT` compares two commits.\n"
-        "The benchmarks are `rust/lcpstar/benches/core.rs`; the number is the order. Shared machine: medians of medians, anything below 1.5x is a tie.\n\n"
-        f"| benchmark | median |\n| --- | --- |\n{rows}"
-    )
+    record = f"""# The core, from Rust
+
+Machine: {machine()}; commit {commit}. One thread. Command: `make bench-rust`.
+`make bench-rust AGAINST=COMMIT` compares two commits. The benchmarks are `rust/lcpstar/benches/core.rs`; the number is the order. Shared machine: medians of medians, anything
+below 1.5x is a tie.
+
+| benchmark | median |
+| --- | --- |
+{rows}"""
     print(record)
     if not given.names:
         (ROOT / "benches" / "record" / "rust.md").write_text(record)
