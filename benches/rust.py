@@ -85,8 +85,8 @@ def main() -> None:
     record = f"""# The core, from Rust
 
 Machine: {machine()}; commit {commit}. One thread. Command: `make bench-rust`.
-`make bench-rust AGAINST=COMMIT` compares two commits. The benchmarks are `rust/lcpstar/benches/core.rs`; the number is the order. Shared machine: medians of medians, anything
-below 1.5x is a tie.
+`make bench-rust AGAINST=COMMIT` compares two commits. The benchmarks are `rust/lcpstar/benches/core.rs`; the number is
+the order. Shared machine: medians of medians, anything below 1.5x is a tie.
 
 | benchmark | median |
 | --- | --- |

@@ -2,6 +2,7 @@
 
 use crate::status::Termination;
 use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::thread::Builder;
 use std::time::{Duration, Instant};
 
 /// Asked by every method once per iteration. Borrowed, `Sync`, no cost worth naming when nothing is set.
@@ -47,25 +48,33 @@ impl Control<'_> {
 /// How often a thread that waits for others looks around.
 const LOOK_EVERY: Duration = Duration::from_millis(20);
 
+/// Whether this is an unoptimised build, in which the kernels keep every one of their SIMD registers on the stack: megabytes.
+const UNOPTIMISED: bool = cfg!(debug_assertions);
+
+/// Stack of a thread.
+const STACK: usize = if UNOPTIMISED { 64 << 20 } else { 2 << 20 };
+
 /// Runs `work` in this thread and in `helpers` others; the result of this one comes first.
 ///
-/// Without the feature `parallel` there are no others. `look` is called here while the others are at work: only the thread that the caller came with can see his Ctrl-C.
+/// Without the feature `parallel` there are no others; an unoptimised build works in others alone, whose stacks are large. `look` is called here while the others are at work: only the thread that the caller came with can see his Ctrl-C.
 pub fn in_threads<T: Send>(helpers: usize, work: impl Fn() -> T + Sync, look: impl Fn()) -> Vec<T> {
-    let helpers = if cfg!(feature = "parallel") { helpers } else { 0 };
+    let helpers = if cfg!(feature = "parallel") { helpers } else { 0 } + usize::from(UNOPTIMISED);
     let work = &work;
     std::thread::scope(|scope| {
         let (working, done) = channel::<()>();
         let others: Vec<_> = (0..helpers)
             .map(|_| {
                 let working = working.clone();
-                scope.spawn(move || {
+                let thread = Builder::new().stack_size(STACK);
+                let spawned = thread.spawn_scoped(scope, move || {
                     let _until_the_end = working;
                     work()
-                })
+                });
+                spawned.expect("the system has another thread")
             })
             .collect();
         drop(working);
-        let mut results = vec![work()];
+        let mut results = if UNOPTIMISED { Vec::new() } else { vec![work()] };
         while done.recv_timeout(LOOK_EVERY) == Err(RecvTimeoutError::Timeout) {
             look();
         }
