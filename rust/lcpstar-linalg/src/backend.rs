@@ -68,7 +68,7 @@ impl DenseLu {
     fn factor_small(&mut self, n: usize) -> bool {
         let lu = self.small.insert(LU::new(DMatrix::from_row_slice(n, n, self.large.rows(n))));
         let u = lu.lu_internal();
-        (0..n).all(|i| is_pivot(u[(i, i)]))
+        (0..n).all(|i| lu::is_pivot(u[(i, i)]))
     }
 
     fn factor_large(&mut self, n: usize) -> bool {
@@ -195,10 +195,6 @@ fn negated_residual(row: &[f64], b: f64, x: &[f64]) -> (f64, f64) {
 /// `|r| / m`, zero for `0 / 0`.
 fn ratio(r: f64, m: f64) -> f64 {
     if r == 0.0 { 0.0 } else { r.abs() / m }
-}
-
-fn is_pivot(x: f64) -> bool {
-    x != 0.0 && x.is_finite()
 }
 
 /// `argmin |C x - b|` for a row-major `m x n` matrix C of full column rank, `m >= n`; column-pivoted QR. O(m n^2).

@@ -8,12 +8,11 @@ mod row;
 use crate::control::Control;
 use crate::equilibrate::Equilibrated;
 use crate::error::{LcpError, Result};
-use crate::linalg::backend::SparseFactor;
 use crate::problem::{Lcp, check_finite};
 use crate::scaling::Scaling;
 use crate::sparse::SparseLcp;
 use bound::Bound;
-use row::Wide;
+use row::{Row, Wide};
 
 /// How accurate a point is.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,35 +29,6 @@ pub struct Accuracy {
     pub error_bound: Option<f64>,
     /// The theorem behind the bound, or why there is none.
     pub bound_reason: &'static str,
-}
-
-/// One row of a point, each number as exact as a double is.
-struct Row {
-    z: Wide,
-    w: Wide,
-    /// `(|A||z| + |q|)_i`.
-    magnitude: Wide,
-}
-
-impl Row {
-    fn new(z: f64, q: f64, a: &[f64], at: impl Fn(usize) -> f64) -> Self {
-        let (w, magnitude) = row::row(q, a, at);
-        Self { z: Wide::new(z), w, magnitude }
-    }
-
-    /// `z_i` and `w_i` of the scaled problem.
-    fn scaled(&self, scaling: &Scaling, i: usize) -> (Wide, Wide) {
-        (self.z.shifted(scaling.q - scaling.columns[i]), self.w.shifted(scaling.q + scaling.rows[i]))
-    }
-
-    /// How far `w_i` is from what z_i asks for, as a part of the magnitude.
-    fn backward_error(&self) -> Wide {
-        if self.z.is_negative() {
-            return Wide::new(f64::MAX).shifted(2);
-        }
-        let is_right = if self.z == Wide::ZERO { !self.w.is_negative() } else { self.w == Wide::ZERO };
-        if is_right { Wide::ZERO } else { self.w.abs().over(self.magnitude) }
-    }
 }
 
 /// Measures a point of a dense problem. O(n^3): one or two factorisations for the bound, after each of which `control` may stop.
@@ -119,14 +89,6 @@ fn report(point: &[Row], scaling: &Scaling, bounds: &[Bound]) -> Accuracy {
         error_bound: best.map(|(value, _)| value),
         bound_reason: best.map_or(bounds.last().map_or("", |b| b.reason), |(_, reason)| reason),
     }
-}
-
-/// The solution of `M v = b` for a sparse M given by entries. `None` without a factorisation.
-fn sparse_solve(n: usize, entries: &[(usize, usize, f64)], b: &[f64], control: &Control<'_>) -> Option<Vec<f64>> {
-    let mut factor = SparseFactor::new(n, entries, false).filter(|_| control.expired().is_none())?;
-    let mut v = b.to_vec();
-    factor.factor(&vec![0.0; n]).then(|| factor.solve(&mut v))?;
-    Some(v)
 }
 
 #[cfg(test)]

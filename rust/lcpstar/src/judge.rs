@@ -4,6 +4,7 @@
 //! them end in [`Verdict::of`].
 
 mod extreme;
+mod judged;
 
 use crate::equilibrate::{Equilibrated, Rows};
 use crate::exact::proof::ExactSolution;
@@ -17,15 +18,7 @@ use crate::solution::{Candidate, Ray, Solution};
 use crate::status::{Status, Termination};
 use crate::tails::Tails;
 use crate::verdict::{Aside, Certificate, Evidence, Verdict};
-
-/// A point in the caller's units, measured.
-struct Judged {
-    z: Vec<f64>,
-    w: Vec<f64>,
-    residual: f64,
-    natural_residual: f64,
-    passed: Option<Passed>,
-}
+use judged::Judged;
 
 /// Turns what a method found on the equilibrated problem into a verified [`Solution`] of the caller's. A few passes over A; an exact
 /// repair where a Farkas vector needs it.
@@ -127,12 +120,6 @@ pub(crate) fn proved<P: Rows>(
         natural_residual: judged.natural_residual,
         ray: None,
         pieces: found.pieces.clone(),
-    }
-}
-
-impl Judged {
-    fn is_finite(&self) -> bool {
-        self.z.iter().chain(&self.w).chain([&self.residual, &self.natural_residual]).all(|x| x.is_finite())
     }
 }
 

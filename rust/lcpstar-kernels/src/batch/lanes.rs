@@ -3,18 +3,19 @@
 
 mod phase;
 mod transport;
+mod transpose;
 
 use super::io::{Guess, Output};
 use super::lemke_lanes::Pivots;
 use super::minors::{MINORS_ORDER, enumerate};
 use super::newton::{Tile, improve_guess, multiply, newton, refine, solve_guess};
-use super::work::{ENUMERATE, LEMKE, NEWTON, Task};
+use super::task::{ENUMERATE, LEMKE, NEWTON, Task};
 use crate::small::lane::{BLOCK, Lane, MOST_LANES, Mask};
 use crate::small::lemke::PIVOTS_PER_ROW;
 use crate::small::scales::Scales;
 use crate::small::verify::{Verdict, verify};
 use phase::{PHASES, Phase};
-use transport::transpose;
+use transpose::transpose;
 
 /// Largest order for which Lemke's method runs in lanes: above, one problem at a time is faster.
 const LEMKE_ORDER: usize = 12;

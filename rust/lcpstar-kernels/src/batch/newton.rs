@@ -11,13 +11,10 @@ mod factors;
 use crate::small::lane::{Lane, MOST_LANES, Mask};
 use crate::small::lemke::CANCELLED;
 use crate::small::prefetch::Prefetch;
-use factors::Factors;
+use factors::{Factors, NOISE};
 
 /// Largest order at which masking the rows outside the support is cheaper than leaving them out.
 const MASKED_ORDER: usize = 16;
-
-/// A negative w_i smaller than this many spacings of `max|q|` is left alone: rounding, in a degenerate row.
-const NOISE: f64 = 64.0;
 
 /// The numbers of several problems of order n, lane by lane, and the memory that solving them takes.
 pub struct Tile<X: Lane> {

@@ -1,8 +1,8 @@
 //! One worker: takes chunks of problems until none is left. What the lanes leave goes to the caller.
 
-use super::io::{Guess, Output, Problems};
+use super::io::{Output, Problems};
 use super::lanes::Lanes;
-use crate::member::Member;
+use super::task::{Asked, Task};
 #[cfg(target_arch = "x86_64")]
 use crate::small::avx::{Ymm2, Zmm};
 #[cfg(target_arch = "x86_64")]
@@ -17,13 +17,6 @@ const PAIR_ORDER: usize = 16;
 /// Largest order for which a guessed support is tried in lanes.
 pub const GUESS_ORDER: usize = 32;
 
-/// Newton's method in lanes.
-pub const NEWTON: u8 = Member::Newton.code();
-/// Lemke's method, in lanes or for one problem.
-pub const LEMKE: u8 = Member::Lemke.code();
-/// Every support, in lanes.
-pub const ENUMERATE: u8 = Member::Enumerate.code();
-
 /// Problems `first..first + output.status.len()` of a batch.
 #[derive(Debug)]
 pub struct Chunk<'a> {
@@ -31,17 +24,6 @@ pub struct Chunk<'a> {
     pub first: usize,
     /// Where their results are written.
     pub output: Output<'a>,
-}
-
-/// What is asked of every problem.
-#[derive(Clone, Copy, Debug)]
-pub struct Asked<'a> {
-    /// Bounds the residual of a solved problem.
-    pub tol: f64,
-    /// Guessed supports.
-    pub guess: Guess<'a>,
-    /// Whether the lanes are to try.
-    pub in_lanes: bool,
 }
 
 /// Solves what the lanes leave, the problems of a chunk in the list, and empties it; `false` ends the work.
@@ -115,12 +97,4 @@ pub fn run<'a, X: Lane, const N: usize>(
             return;
         }
     }
-}
-
-/// What a worker reads.
-pub(super) struct Task<'a> {
-    pub problems: &'a Problems<'a>,
-    pub asked: &'a Asked<'a>,
-    /// Place of the chunk in the batch.
-    pub first: usize,
 }

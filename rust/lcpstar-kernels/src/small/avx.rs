@@ -79,25 +79,6 @@ macro_rules! numbers {
     };
 }
 
-/// One place in memory for each of `L` lanes, all in the first `span` vectors.
-#[derive(Clone, Copy, Debug)]
-pub struct Places<const L: usize> {
-    numbers: [u32; L],
-    span: usize,
-}
-
-impl<const L: usize> Places<L> {
-    /// Lane l of vector `stride * vectors[l]`.
-    #[inline(always)]
-    fn new(vectors: [u32; L], limit: usize, stride: usize) -> Self {
-        let mut numbers = vectors;
-        for (l, number) in numbers.iter_mut().enumerate() {
-            *number = *number * (L * stride) as u32 + l as u32;
-        }
-        Self { numbers, span: (limit - 1) * stride + 1 }
-    }
-}
-
 /// Number after number: the machine's gather is slower where it is kept from leaking data.
 macro_rules! pick {
     ($v:ident, $at:ident, $set:ident, $($l:literal)*) => {{
@@ -107,6 +88,7 @@ macro_rules! pick {
     }};
 }
 
+mod places;
 // After the macros, which they use.
 mod ymm;
 mod zmm;

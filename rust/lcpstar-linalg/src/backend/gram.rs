@@ -1,6 +1,6 @@
 //! Least squares with the stacked matrix `C = [I; B]`: Cholesky of `C'C`, or QR of `C` itself.
 
-use super::is_pivot;
+use super::lu::is_pivot;
 use faer::linalg::matmul::triangular::{BlockStructure, matmul};
 use faer::linalg::solvers::{ColPivQr, Solve, SolveLstsq};
 use faer::linalg::triangular_solve;

@@ -43,7 +43,7 @@ impl InPlaceLu {
         self.backward.resize(n, 0);
         let matrix = MatMut::from_column_major_slice_mut(&mut self.factor[..n * n], n, n);
         lu::factor::lu_in_place(matrix, &mut self.forward, &mut self.backward, Par::Seq, stack, Spec::default());
-        (0..n).all(|i| super::is_pivot(self.factor[i * n + i]))
+        (0..n).all(|i| is_pivot(self.factor[i * n + i]))
     }
 
     /// Replaces `x` by `B^-1 x`. O(n^2) a column.
@@ -52,4 +52,9 @@ impl InPlaceLu {
         let factor = self.factors();
         lu::solve::solve_transpose_in_place_with_conj(factor, factor, permutation, Conj::No, x, Par::Seq, stack);
     }
+}
+
+/// Neither zero nor overflown.
+pub(super) fn is_pivot(x: f64) -> bool {
+    x != 0.0 && x.is_finite()
 }

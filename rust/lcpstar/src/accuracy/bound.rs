@@ -1,10 +1,9 @@
 //! Rigorous bounds on `max|z - z*|`, for two classes of P-matrices.
 
-use super::Row;
-use super::row::Wide;
+use super::row::{Row, Wide};
 use crate::control::Control;
 use crate::equilibrate::{Equilibrated, Rows};
-use crate::linalg::backend::{DenseCholesky, DenseLu};
+use crate::linalg::backend::{DenseCholesky, DenseLu, SparseFactor};
 use crate::linalg::kernels::{dot, dot_compensated, max_abs};
 use crate::problem::Lcp;
 use crate::scaling::Scaling;
@@ -128,7 +127,7 @@ pub(super) fn comparison_sparse(
         &diagonal,
         point,
         control,
-        |b| super::sparse_solve(n, &entries, b, control),
+        |b| sparse_solve(n, &entries, b, control),
         |i, v| {
             let (a, x): (Vec<f64>, Vec<f64>) = row(i).map(|(j, a)| (a, v[j])).unzip();
             dot_compensated(0.0, &a, &x)
@@ -262,3 +261,11 @@ fn estimate(n: usize, s: &[f64], control: &Control<'_>) -> Option<f64> {
 }
 
 const INVERSE_ITERATIONS: usize = 8;
+
+/// The solution of `M v = b` for a sparse M given by entries. `None` without a factorisation.
+fn sparse_solve(n: usize, entries: &[(usize, usize, f64)], b: &[f64], control: &Control<'_>) -> Option<Vec<f64>> {
+    let mut factor = SparseFactor::new(n, entries, false).filter(|_| control.expired().is_none())?;
+    let mut v = b.to_vec();
+    factor.factor(&vec![0.0; n]).then(|| factor.solve(&mut v))?;
+    Some(v)
+}

@@ -1,6 +1,6 @@
 //! `A z + q` row by row without any rounding: numbers of any size, sums that cancel to the last bit.
 
-use crate::scaling::times_power_of_two;
+use crate::scaling::{Scaling, times_power_of_two};
 
 /// A number `mantissa 2^exponent` with `mantissa` 0 or in [1/2, 1) by size: as exact as a double, with room at both ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -175,6 +175,35 @@ pub(super) fn row(q: f64, a: &[f64], z: impl Fn(usize) -> f64) -> (Wide, Wide) {
         positive.combined(&negative, true)
     };
     (w, magnitude)
+}
+
+/// One row of a point, each number as exact as a double is.
+pub(super) struct Row {
+    pub(super) z: Wide,
+    pub(super) w: Wide,
+    /// `(|A||z| + |q|)_i`.
+    pub(super) magnitude: Wide,
+}
+
+impl Row {
+    pub(super) fn new(z: f64, q: f64, a: &[f64], at: impl Fn(usize) -> f64) -> Self {
+        let (w, magnitude) = row(q, a, at);
+        Self { z: Wide::new(z), w, magnitude }
+    }
+
+    /// `z_i` and `w_i` of the scaled problem.
+    pub(super) fn scaled(&self, scaling: &Scaling, i: usize) -> (Wide, Wide) {
+        (self.z.shifted(scaling.q - scaling.columns[i]), self.w.shifted(scaling.q + scaling.rows[i]))
+    }
+
+    /// How far `w_i` is from what z_i asks for, as a part of the magnitude.
+    pub(super) fn backward_error(&self) -> Wide {
+        if self.z.is_negative() {
+            return Wide::new(f64::MAX).shifted(2);
+        }
+        let is_right = if self.z == Wide::ZERO { !self.w.is_negative() } else { self.w == Wide::ZERO };
+        if is_right { Wide::ZERO } else { self.w.abs().over(self.magnitude) }
+    }
 }
 
 #[cfg(test)]

@@ -14,7 +14,8 @@ use crate::small::dispatch;
 use crate::small::prefetch::Prefetch;
 use crate::solution::{Candidate, Solution};
 use crate::status::Termination;
-use lcpstar_kernels::batch::work::{Chunk, GUESS_ORDER, LEMKE};
+use lcpstar_kernels::batch::task::LEMKE;
+use lcpstar_kernels::batch::work::{Chunk, GUESS_ORDER};
 
 /// Largest order for which Lemke's method is tried before the general solver.
 const SMALL_ORDER: usize = 192;

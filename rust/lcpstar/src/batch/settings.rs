@@ -2,7 +2,7 @@
 
 use super::Guess;
 use crate::driver::Method;
-use lcpstar_kernels::batch::work::Asked;
+use lcpstar_kernels::batch::task::Asked;
 
 /// What the caller may choose.
 #[derive(Clone, Copy)]

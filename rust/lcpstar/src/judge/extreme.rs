@@ -1,7 +1,7 @@
 //! The same checks where a product or a scaled entry may have left the range of doubles: every sum in integers, on the
 //! caller's numbers and on the point as the caller gets it. Slow, and rarely needed.
 
-use super::Judged;
+use super::judged::Judged;
 use crate::equilibrate::{Equilibrated, Rows};
 use crate::exact::dyadic::{RationalVec, Scaled, linear_form};
 use crate::linalg::kernels::max_abs;

@@ -14,7 +14,6 @@ use crate::linalg::kernels::LANES;
 use crate::linalg::update::Window;
 use crate::problem::Lcp;
 pub use ratio::Entering;
-use ratio::tie_tolerance;
 
 /// `x_B = q_bar + T x_N` for any number of basic and nonbasic variables.
 ///
@@ -307,6 +306,11 @@ impl<T: Real> Dictionary<T> {
 
 /// Most pivots between two updates.
 const MOST: usize = 16;
+
+/// Numbers `x_r` tie when they differ by less than `64 sqrt(n) EPS max|x|`: what n pivots leave of equality.
+fn tie_tolerance<T: Real>(n: usize) -> f64 {
+    64.0 * (n as f64).sqrt() * T::EPSILON
+}
 
 #[cfg(test)]
 mod tests {

@@ -1,11 +1,19 @@
 //! Islands and the block-triangular order.
 
-use super::Part;
 use super::connected::{is_strongly_connected, reach};
 use super::pattern::{Pattern, Set, indices, meet, next_common};
 use crate::linalg::backend::DenseCholesky;
 use crate::pivoting::basis::principal_block;
 use crate::problem::Lcp;
+
+/// A principal subproblem.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Part {
+    /// Its indices, increasing.
+    pub indices: Vec<usize>,
+    /// Whether its rows hold entries of parts before it: then its q is `q + A z` of those.
+    pub follows: bool,
+}
 
 /// Whether the first row and the first column have no zero: then A is one strongly connected block. O(n).
 pub fn first_reaches_all(lcp: &Lcp) -> bool {

@@ -9,6 +9,7 @@ mod pattern;
 mod zeros;
 
 use crate::problem::Lcp;
+pub use blocks::Part;
 use pattern::Pattern;
 
 /// Parts to solve one by one; every index that is in none has `z_i = 0` in every solution.
@@ -16,15 +17,6 @@ use pattern::Pattern;
 pub struct Plan {
     /// In the order in which they must be solved.
     pub parts: Vec<Part>,
-}
-
-/// A principal subproblem.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Part {
-    /// Its indices, increasing.
-    pub indices: Vec<usize>,
-    /// Whether its rows hold entries of parts before it: then its q is `q + A z` of those.
-    pub follows: bool,
 }
 
 /// Islands up to this order are left whole: a few pivots cost less than taking them apart.

@@ -1,8 +1,18 @@
 //! Maximal faces: maximal sets of mutually complementary generators that hold a vertex.
 
-use super::Face;
 use super::generators::Finished;
 use crate::exact::dyadic::RationalVec;
+
+/// A maximal face of SOL(q, A): the convex hull of `vertices` plus the cone of `rays`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Face {
+    /// `{i : z_i > 0 for some z of the face}`; `w_i = 0` on the whole face for these i.
+    pub alpha: Vec<usize>,
+    /// At least one.
+    pub vertices: Vec<RationalVec>,
+    /// Directions with largest entry 1.
+    pub rays: Vec<RationalVec>,
+}
 
 /// Sorts generators into maximal faces.
 pub(super) fn assemble(n: usize, generators: Vec<Finished>) -> Vec<Face> {

@@ -12,23 +12,12 @@ mod generators;
 
 use crate::control::Control;
 use crate::error::{LcpError, Result};
-use crate::exact::dyadic::RationalVec;
 use crate::problem::Lcp;
 use crate::status::Termination;
+pub use faces::Face;
 
 /// Largest order: generators keep their zeros in 128-bit sets, one bit is for t.
 pub const MAX_ORDER: usize = 127;
-
-/// A maximal face of SOL(q, A): the convex hull of `vertices` plus the cone of `rays`.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Face {
-    /// `{i : z_i > 0 for some z of the face}`; `w_i = 0` on the whole face for these i.
-    pub alpha: Vec<usize>,
-    /// At least one.
-    pub vertices: Vec<RationalVec>,
-    /// Directions with largest entry 1.
-    pub rays: Vec<RationalVec>,
-}
 
 /// All maximal faces of SOL(q, A), ordered by `alpha`; empty when there is no solution. Exact and complete.
 ///
@@ -47,6 +36,7 @@ pub fn solutions(lcp: &Lcp, control: &Control<'_>) -> Result<std::result::Result
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::exact::dyadic::RationalVec;
     use crate::exact::proof::check_solution;
     use num_bigint::BigInt;
 

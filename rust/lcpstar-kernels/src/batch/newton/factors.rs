@@ -1,11 +1,13 @@
 //! The blocks of several problems, factored side by side.
 
-use super::NOISE;
 use crate::small::lane::{Lane, Mask};
 use crate::small::prefetch::Prefetch;
 
 /// Smallest pivot, relative to the diagonal entry it started from.
 pub const FLOOR: f64 = 1e-9;
+
+/// A negative w_i smaller than this many spacings of `max|q|` is left alone: rounding, in a degenerate row.
+pub(super) const NOISE: f64 = 64.0;
 
 /// Crout's `A_aa = L U` and what it makes of the right-hand side. Rows of L and columns of U lie contiguous: each new number is the
 /// product of one of each.

@@ -1,6 +1,6 @@
-//! Four doubles in a register of AVX2: [`Places`] and macros of the parent.
+//! Four doubles in a register of AVX2: [`Places`], and macros of the parent.
 
-use super::Places;
+use super::places::Places;
 use crate::small::lane::{BLOCK, Lane, Mask};
 use std::arch::x86_64::{
     __m128i, __m256d, _CMP_EQ_OQ, _CMP_LE_OQ, _CMP_LT_OQ, _MM_FROUND_NO_EXC, _MM_FROUND_TO_ZERO, _mm_add_pd,

@@ -1,6 +1,7 @@
-//! Eight doubles in a register of AVX-512: [`Places`] and macros of the parent.
+//! Eight doubles in a register of AVX-512: [`Places`], and macros of the parent.
 
-use super::{Places, Ymm};
+use super::Ymm;
+use super::places::Places;
 use crate::small::lane::{BLOCK, Lane, Mask};
 use std::arch::x86_64::{
     __m256i, __m512d, _CMP_EQ_OQ, _CMP_LE_OQ, _CMP_LT_OQ, _MM_FROUND_NO_EXC, _MM_FROUND_TO_ZERO, _mm256_loadu_pd,

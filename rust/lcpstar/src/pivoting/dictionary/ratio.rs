@@ -1,6 +1,6 @@
 //! The ratio test, and what it takes for zero and for equal.
 
-use super::{Dictionary, Place};
+use super::{Dictionary, Place, tie_tolerance};
 use crate::pivoting::Var;
 use crate::pivoting::real::Real;
 use lcpstar_kernels::pivots::ORDERED;
@@ -16,11 +16,6 @@ pub enum Entering {
 
 /// An entry larger than this, relative to 1 and to the entries that tie, is taken for growth and not for the column's scale.
 const LARGEST: f64 = 1e6;
-
-/// Numbers `x_r` tie when they differ by less than `64 sqrt(n) EPS max|x|`: what n pivots leave of equality.
-pub(super) fn tie_tolerance<T: Real>(n: usize) -> f64 {
-    64.0 * (n as f64).sqrt() * T::EPSILON
-}
 
 impl<T: Real> Dictionary<T> {
     /// The row that blocks column `s`: the lexicographic minimum of `(q_bar_r, (B^-1)_r) / -T_rs` over the rows that
