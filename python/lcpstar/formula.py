@@ -18,7 +18,7 @@ import re
 from fractions import Fraction
 from typing import Any, TypeAlias
 
-from .classes.registry import ALIASES, CLASSES, find_class
+from .classes.table import ALIASES, CLASSES, find_class
 from .errors import OptionError
 
 Tree: TypeAlias = tuple[Any, ...]

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ._core import solutions as find_faces
+from .classes.solution_set import solution_set
 from .coerce import Matrix, as_flag, as_matrix, as_seconds, as_vector
 from .errors import NotFiniteError
 
@@ -105,8 +106,6 @@ def _needs_fractions(value: Any) -> bool:
 
 
 def _of_fractions(A: Any, q: Any, exact: bool, time_limit: float | None) -> list[Face]:
-    from .classes.solution_set import solution_set
-
     found = sorted(solution_set(A, q, time_limit=time_limit).faces, key=lambda face: face.alpha)
     faces = [
         Face(list(f.alpha), list(map(list, f.vertices)), [[Fraction(x, max(ray)) for x in ray] for ray in f.rays])

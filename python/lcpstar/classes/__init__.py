@@ -51,9 +51,10 @@ from .quadratic import (
     is_pseudomonotone,
     is_strictly_copositive,
 )
-from .registry import ALIASES, CLASSES, MatrixClass, check, list_in_order
+from .registry import check
 from .report import Classification, classify
 from .solution_set import Face, LocalReport, SolutionSet, solution_set
+from .table import ALIASES, CLASSES, MatrixClass, list_in_order
 from .verdict import Cost, Verdict
 
 list_in_order()

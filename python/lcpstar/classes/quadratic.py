@@ -7,8 +7,9 @@ from fractions import Fraction
 
 from .certificate import Decomposition, ldl
 from .exact import Rows
-from .registry import MatrixClass, check, predicate
+from .registry import check, predicate
 from .subject import Subject
+from .table import FAMILIES, MatrixClass
 from .verdict import Finding, Verdict
 from .witness import All, FormValue, FormZero, InSubmatrix, InTransform, Member, MixedGradient, NotMonotonePair, NotStar
 
@@ -245,3 +246,6 @@ def exact_order_class(kind: str, k: int) -> MatrixClass:
 
     name = f"exact order {k} fully copositive" if full else f"copositive of exact order {k}"
     return MatrixClass(symbol, name, decide, 14 if full else 24, public)
+
+
+FAMILIES.update({kind: functools.partial(exact_order_class, kind) for kind in ("C0", "C0f")})

@@ -15,8 +15,9 @@ from ..coerce import MAX_THREADS, as_count, as_flag
 from ..errors import InternalError, OptionTypeError
 from .guarantees import guarantees
 from .inclusions import INCLUSIONS, conclude
-from .registry import CLASSES, find_class, make_subject
+from .registry import make_subject
 from .subject import Subject
+from .table import CLASSES, find_class
 from .verdict import Cost, Verdict
 from .witness import Implied
 

@@ -12,9 +12,9 @@ from typing import Any
 
 import numpy as np
 
+from .._core import solutions
 from ..coerce import as_seconds
 from ..errors import OptionError, TimeLimitError
-from ..solutions import solutions
 from .exact import (
     IndexSet,
     Rows,
@@ -184,8 +184,14 @@ def solution_set(A: Any, q: Any, *, time_limit: float | None = None) -> Solution
     for table in (given, list(map(_whole, given))):
         if all(abs(x) < 2**1023 and float(x) == x for row in table for x in row):
             doubles = np.array(table, dtype=np.float64)
-            found = solutions(doubles[:, :-1], doubles[:, -1], exact=True, time_limit=limit)
-            faces = [Face(tuple(f.alpha), tuple(map(tuple, f.vertices)), tuple(map(_whole, f.rays))) for f in found]
+            faces = [
+                Face(
+                    tuple(alpha),
+                    tuple(tuple(Fraction(x, d) for x in z) for z, d in vertices),
+                    tuple(_whole(ray) for ray, _ in rays),
+                )
+                for alpha, vertices, rays in solutions(doubles[:, :-1], doubles[:, -1], limit, True)
+            ]
             break
     else:
         faces = _maximal_pieces(rows, vector, limit)

@@ -7,13 +7,13 @@ import time
 from collections.abc import Callable, Iterator
 from fractions import Fraction
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from .._core import IntegerMatrix
+from ..errors import TooLargeError
 from .exact import IndexSet, Rows, pivot_transform, principal, subsets, transpose
-
-if TYPE_CHECKING:
-    from .verdict import Verdict
+from .table import find_class
+from .verdict import Cost, Finding, Verdict
 
 
 class UndecidedError(Exception):
@@ -83,9 +83,7 @@ class Subject:
     def verdict(self, symbol: str) -> Verdict:
         """The verdict for another class, remembered."""
         if symbol not in self.verdicts:
-            from .registry import evaluate
-
-            self.verdicts[symbol] = evaluate(self, symbol)
+            self.verdicts[symbol] = _evaluate(self, symbol)
         return self.verdicts[symbol]
 
     def decided(self, symbol: str) -> Verdict:
@@ -148,3 +146,32 @@ class Subject:
                 lambda: transpose(self.rows), self.deadline, self.kernel.transpose(), self.scale, self.n
             )
         return self._parts["transpose"]
+
+
+def _evaluate(subject: Subject, symbol: str) -> Verdict:
+    """The verdict of one class on a subject; a spent budget makes it undecided."""
+    which = find_class(symbol)
+    if which.limit is not None and subject.n > which.limit:
+        raise TooLargeError(f"class {which.symbol} takes n <= {which.limit}, got n = {subject.n}")
+    start = time.perf_counter()
+    done = total = 0
+    try:
+        finding = which.decide(subject)
+    except TimeoutError as stopped:
+        done, total = (*stopped.args, 0, 0)[:2]
+        how_far = f" after {done} of {total} index sets of the last search" if total else ""
+        finding = Finding(None, f"the time limit passed{how_far}")
+    except UndecidedError as left_open:
+        reason, inner = left_open.args
+        finding, done, total = Finding(None, reason), inner.done, inner.total
+    cost = Cost(time.perf_counter() - start, done, total)
+    return Verdict(
+        finding.holds,
+        which.symbol,
+        which.name,
+        finding.witness,
+        cost,
+        subject.rows,
+        finding.reason,
+        finding.certificate,
+    )
