@@ -1,0 +1,55 @@
+"""No circle between files, crates point one way, and the bindings see the doors of lcpstar alone."""
+
+from __future__ import annotations
+
+import re
+
+import imports
+from imports import ROOT
+
+
+def shown(circles):
+    return [sorted(str(file.relative_to(ROOT)) for file in circle) for circle in circles]
+
+
+def test_no_circle_between_rust_files():
+    graph = imports.Rust(ROOT / "rust").graph()
+    assert sum(map(len, graph.values())) > len(graph) > 200
+    assert shown(imports.circles(graph)) == []
+
+
+def test_no_circle_between_python_files():
+    graph = imports.Python(ROOT / "python" / "lcpstar").graph()
+    assert sum(map(len, graph.values())) > len(graph) > 70
+    assert shown(imports.circles(graph)) == []
+
+
+def dependencies(toml):
+    """The name of a crate and the crates that it needs."""
+    text = toml.read_text(encoding="utf-8")
+    section = re.search(r"^\[dependencies\]\n(.*?)(?:^\[|\Z)", text, re.DOTALL | re.MULTILINE)[1]
+    return re.search(r'^name = "(.*)"', text, re.MULTILINE)[1], set(re.findall(r"^([\w-]+)", section, re.MULTILINE))
+
+
+def test_crates_point_one_way():
+    allowed = {
+        "lcpstar-linalg": set(),
+        "lcpstar-exact": set(),
+        "lcpstar-kernels": set(),
+        "lcpstar": {"lcpstar-linalg", "lcpstar-exact", "lcpstar-kernels"},
+        "lcpstar-py": {"lcpstar"},
+        "lcpstar-stress": {"lcpstar"},
+    }
+    for toml in (ROOT / "rust").glob("*/Cargo.toml"):
+        name, needed = dependencies(toml)
+        assert {x for x in needed if x.startswith("lcpstar")} <= allowed[name], toml
+
+
+def test_bindings_have_no_arithmetic_of_their_own():
+    """Arrays in, arrays out: no linear algebra, no random numbers, no threads, no tolerance."""
+    assert dependencies(ROOT / "rust/lcpstar-py/Cargo.toml")[1] == {"lcpstar", "num-bigint", "pyo3", "numpy"}
+    for file in (ROOT / "rust/lcpstar-py/src").glob("*.rs"):
+        text = imports.code(file.read_text(encoding="utf-8"))
+        inner = ("linalg", "small", "pivoting::basis", "presolve", "judge", "verdict::", "residual::", "scaling")
+        assert not [room for room in inner if f"lcpstar::{room}" in text], file
+        assert not re.findall(r"\b\d+(?:\.\d+)?e-?\d+\b", text), file
