@@ -39,7 +39,11 @@ CLASSES: dict[str, MatrixClass] = {}
 FAMILIES: dict[str, Callable[[int], MatrixClass]] = {}
 
 # The order of the paper, in which everything is listed.
-_ORDER = ["PD", "PSD", "CSU", "RSU", "SU", "P", "P0", "N", "N0", "C0", "C", "C0+", "C0*", "E0", "E", "L2", "L", "PM", "PSBD", "C0f", "E0f", "almost-P0", "almost-P", "almost-N0", "almost-N", "almost-C0", "almost-E", "almost-C0f", "Z", "K0", "Ec", "R", "R0", "Qb", "Q", "Q0", "cQ", "cQ0", "E0s", "cE0s", "tE0s", "ctE0s", "++"]
+_ORDER = (
+    *("PD", "PSD", "CSU", "RSU", "SU", "P", "P0", "N", "N0", "C0", "C", "C0+", "C0*", "E0", "E", "L2", "L", "PM"),
+    *("PSBD", "C0f", "E0f", "almost-P0", "almost-P", "almost-N0", "almost-N", "almost-C0", "almost-E", "almost-C0f"),
+    *("Z", "K0", "Ec", "R", "R0", "Qb", "Q", "Q0", "cQ", "cQ0", "E0s", "cE0s", "tE0s", "ctE0s", "++"),
+)
 
 
 def list_in_order() -> None:
