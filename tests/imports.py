@@ -83,12 +83,12 @@ class RustFile:
 
 
 class Rust:
-    """All crates below a folder."""
+    """All crates."""
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self) -> None:
         self.crates = {
             toml.parent.name.replace("-", "_"): RustFile(root, None)
-            for toml in sorted(folder.glob("*/Cargo.toml"))
+            for toml in sorted([*ROOT.glob("rust/*/Cargo.toml"), ROOT / "fuzz" / "Cargo.toml"])
             for root in (toml.parent / "src" / "lib.rs", toml.parent / "src" / "main.rs")
             if root.exists()
         }

@@ -3,157 +3,34 @@
 mod anytime;
 mod approximate;
 pub(crate) mod doubt;
+mod interior_point;
+mod parts;
 mod pieces;
 mod polish;
 mod portfolio;
 mod prove;
+mod settings;
 mod small;
+mod start;
 
 use crate::control::Control;
 use crate::equilibrate::{DENSE_UP_TO, Equilibrated, Rows};
 use crate::error::{LcpError, Result};
 use crate::judge::{judge, without_tails};
 use crate::member::Member;
-use crate::methods::{
-    bilinear, block_pivoting, chandrasekaran, enumerate, interior_point, lemke, lemke_howson, potential_reduction,
-};
+use crate::methods::{bilinear, block_pivoting, chandrasekaran, enumerate, lemke, lemke_howson, potential_reduction};
 use crate::pivoting::basis::basic_point;
-use crate::problem::{Lcp, check_finite};
+use crate::problem::Lcp;
 use crate::residual::slack;
-use crate::scaling::{Scaling, exponent, times_power_of_two};
+use crate::scaling::{exponent, times_power_of_two};
 use crate::small::TINY_ORDER;
 use crate::solution::{Candidate, Solution};
 use crate::sparse::SparseLcp;
 use crate::status::{Status, Termination};
 
-pub use approximate::Approximate;
-
-/// The method and its options. Vectors (`d`) are in the caller's units.
-#[derive(Clone, Debug)]
-#[non_exhaustive]
-pub enum Method {
-    /// The documented portfolio: see [`portfolio`].
-    Auto,
-    /// Lemke's method; without a covering vector of the caller's, restarted with others after a failure.
-    Lemke {
-        /// The covering vector, or the default of ones on the equilibrated problem.
-        settings: lemke::Settings,
-        /// Restarts with other covering vectors (only when none was given).
-        restarts: usize,
-        /// Seed of the random covering vectors.
-        seed: u64,
-    },
-    /// The Lemke-Howson method for bimatrix structure.
-    LemkeHowson(lemke_howson::Settings),
-    /// Successive linear programmes on the concave formulation, for any matrix.
-    Bilinear(bilinear::Settings),
-    /// Block principal pivoting for P-matrices.
-    BlockPivoting(block_pivoting::Settings),
-    /// Homogeneous predictor-corrector; its `tol` and `z0` are those of the call.
-    InteriorPoint(interior_point::Settings),
-    /// The criss-cross method for sufficient matrices, with a proof where A is not sufficient.
-    PrincipalPivoting,
-    /// Chandrasekaran's method for Z-matrices.
-    Chandrasekaran,
-    /// Every index set, for n up to [`enumerate::MAX_ORDER`].
-    Enumerate,
-    /// The paper's method; its stopping rule is replaced by one that gives `residual <= tol`.
-    PotentialReduction(potential_reduction::Settings),
-    /// A method that starts from the values of `z0` and stops at `tol`.
-    Approximate(Approximate),
-}
-
-/// Restarts of Lemke's method with random covering vectors, unless the caller says otherwise.
-pub const DEFAULT_RESTARTS: usize = 6;
-
-impl Method {
-    /// Names accepted by [`Method::from_name`].
-    pub const NAMES: &'static [&'static str] = &[
-        "auto",
-        "lemke",
-        "lemke_howson",
-        "principal_pivoting",
-        "block_pivoting",
-        "chandrasekaran",
-        "enumerate",
-        "bilinear",
-        "interior_point",
-        "potential_reduction",
-        "newton",
-        "pgs",
-        "pgs_sm",
-        "nncg",
-        "apgd",
-        "admm",
-    ];
-
-    /// The method of that name with its default options.
-    ///
-    /// # Errors
-    /// `UnknownName`.
-    pub fn from_name(name: &str) -> Result<Self> {
-        match name {
-            "auto" => Ok(Self::Auto),
-            "lemke" => Ok(Self::Lemke { settings: lemke::Settings::default(), restarts: DEFAULT_RESTARTS, seed: 0 }),
-            "lemke_howson" => Ok(Self::LemkeHowson(lemke_howson::Settings::default())),
-            "bilinear" => Ok(Self::Bilinear(bilinear::Settings::default())),
-            "block_pivoting" => Ok(Self::BlockPivoting(block_pivoting::Settings::default())),
-            "interior_point" => Ok(Self::InteriorPoint(interior_point::Settings::default())),
-            "principal_pivoting" => Ok(Self::PrincipalPivoting),
-            "chandrasekaran" => Ok(Self::Chandrasekaran),
-            "enumerate" => Ok(Self::Enumerate),
-            "potential_reduction" => Ok(Self::PotentialReduction(potential_reduction::Settings::default())),
-            _ => Approximate::from_name(name).map(Self::Approximate).ok_or_else(|| LcpError::UnknownName {
-                name: "method",
-                value: name.to_owned(),
-                choices: Self::NAMES,
-            }),
-        }
-    }
-}
-
-/// What `solve` needs to know beside the problem.
-#[derive(Clone, Debug)]
-pub struct Settings {
-    /// The method.
-    pub method: Method,
-    /// Bound on the equilibrated residual of a solved problem, in `(0, 1)`.
-    pub tol: f64,
-    /// A guess: pivoting methods use its support, approximate methods and the interior point method its values.
-    pub z0: Option<Vec<f64>>,
-    /// Whether the answer is to be proved.
-    pub certify: Certify,
-}
-
-/// How an answer is certified.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub enum Certify {
-    /// Recomputed in twice the working precision on the caller's numbers.
-    #[default]
-    Float,
-    /// Proved in rational arithmetic on the caller's binary numbers.
-    Exact,
-}
-
-impl Certify {
-    /// `"float"` or `"exact"`.
-    ///
-    /// # Errors
-    /// `UnknownName`.
-    pub fn from_name(name: &str) -> Result<Self> {
-        match name {
-            "float" => Ok(Self::Float),
-            "exact" => Ok(Self::Exact),
-            _ => Err(LcpError::UnknownName { name: "certify", value: name.to_owned(), choices: &["float", "exact"] }),
-        }
-    }
-}
-
-impl Default for Settings {
-    fn default() -> Self {
-        Self { method: Method::Auto, tol: 1e-9, z0: None, certify: Certify::Float }
-    }
-}
+pub use settings::{Approximate, Certify, DEFAULT_RESTARTS, Method, Settings};
+use settings::{check, check_common};
+use start::{at_once, support, trivial};
 
 /// Solves LCP(q, A) and verifies the answer against the caller's numbers.
 ///
@@ -260,7 +137,7 @@ fn by_method(problem: &Equilibrated<'_>, settings: &Settings, control: &Control<
             )
         }
         Method::InteriorPoint(options) => {
-            let found = interior_point_candidate(problem, settings, options, control);
+            let found = interior_point::dense(problem, settings, options, control);
             let solution = judge(problem, found, Member::InteriorPoint, settings.tol);
             if options.finish { portfolio::finished_by_pivots(problem, solution, settings, control) } else { solution }
         }
@@ -303,72 +180,10 @@ pub fn solve_sparse(lcp: &SparseLcp, settings: &Settings, control: &Control<'_>)
         (Method::Approximate(method), None) => approximate::solve(&problem, settings, method, control),
         (method, None) => {
             let options = if let Method::InteriorPoint(options) = method { options } else { &Default::default() };
-            sparse_interior_point(&problem, settings, options, control)
+            interior_point::sparse(&problem, settings, options, control)
         }
     };
     Ok(finished(&problem, solution, settings, control))
-}
-
-/// The interior point method on `D A D`, then Newton's method from its point where single rows of that do not hold.
-fn sparse_interior_point(
-    problem: &Equilibrated<'_, SparseLcp>,
-    settings: &Settings,
-    options: &interior_point::Settings,
-    control: &Control<'_>,
-) -> Solution {
-    let target = &problem.scaling;
-    let scaling = target.congruent(problem.original.q());
-    let z0 = settings.z0.as_deref().map(|z0| scaling.z_from_caller(z0));
-    let options =
-        interior_point::Settings { tol: congruent_tol(settings.tol, &scaling, target), z0, ..options.clone() };
-    let found = interior_point::interior_point_sparse(&problem.original.scaled(&scaling), &options, control);
-    let solution = judge(problem, carried(found, &scaling, target), Member::InteriorPoint, settings.tol);
-    let solution = without_tails(problem, solution, settings.tol);
-    if !polish::is_near(&solution, settings.tol) || control.max_iterations.is_some() {
-        return solution;
-    }
-    let settings = Settings { z0: Some(solution.z.clone()), ..settings.clone() };
-    let newton = Approximate::Newton(Default::default());
-    let polished = approximate::solve(problem, &settings, &newton, control);
-    if polished.is_solved() {
-        Solution { method: solution.method, iterations: solution.iterations, ..polished }
-    } else {
-        solution
-    }
-}
-
-/// The tolerance on one scaled problem that gives `tol` on another.
-fn congruent_tol(tol: f64, scaling: &Scaling, target: &Scaling) -> f64 {
-    (tol / scaling.distance(target).max(1.0)).max(f64::EPSILON)
-}
-
-/// What was found on the problem scaled one way, on that scaled another way.
-fn carried(found: Candidate, from: &Scaling, target: &Scaling) -> Candidate {
-    if from == target {
-        return found;
-    }
-    let multipliers = |y: &Vec<f64>| target.multiplier_from_caller(&from.multiplier_to_caller(y));
-    let farkas = found.farkas.as_ref().map(multipliers);
-    Candidate { z: target.z_from_caller(&from.z_to_caller(&found.z)), farkas, ..found }
-}
-
-/// Runs the interior point method on `D A D`, because `D_r A D_c` with `D_r != D_c` need not be monotone when A is.
-fn interior_point_candidate(
-    problem: &Equilibrated<'_>,
-    settings: &Settings,
-    options: &interior_point::Settings,
-    control: &Control<'_>,
-) -> Candidate {
-    let target = &problem.scaling;
-    let scaling = target.congruent(problem.original.q());
-    let z0 = settings.z0.as_deref().map(|z0| scaling.z_from_caller(z0));
-    let options =
-        interior_point::Settings { tol: congruent_tol(settings.tol, &scaling, target), z0, ..options.clone() };
-    if scaling == *target {
-        return interior_point::interior_point(&problem.lcp, &options, control);
-    }
-    let congruent = problem.original.scaled(&scaling);
-    carried(interior_point::interior_point(&congruent, &options, control), &scaling, target)
 }
 
 /// The paper's potential reduction method with its own stopping rule; `trace` receives each row of its table.
@@ -417,89 +232,6 @@ fn reduce_potential(
     Ok(if basic.is_solved() { basic } else { solution })
 }
 
-/// Sizes and ranges of everything beside the problem itself.
-fn check(lcp: &Lcp, settings: &Settings) -> Result<()> {
-    let n = lcp.n();
-    check_common(n, settings)?;
-    match &settings.method {
-        Method::Lemke { settings: lemke::Settings { d: Some(d) }, .. } => {
-            check_vector("d", d, n)?;
-            match d.iter().position(|&x| x <= 0.0) {
-                Some(index) => Err(LcpError::NonPositive { name: "d", index, value: d[index] }),
-                None => Ok(()),
-            }
-        }
-        Method::LemkeHowson(options) if options.label >= n && n > 0 => {
-            let index = i64::try_from(options.label).unwrap_or(i64::MAX);
-            Err(LcpError::BadIndex { name: "label", index, n, repeated: false })
-        }
-        Method::BlockPivoting(block_pivoting::Settings { alpha: Some(alpha), .. }) => {
-            match alpha.iter().find(|&&i| i >= n) {
-                Some(&i) => {
-                    let index = i64::try_from(i).unwrap_or(i64::MAX);
-                    Err(LcpError::BadIndex { name: "alpha", index, n, repeated: false })
-                }
-                None => Ok(()),
-            }
-        }
-        Method::Enumerate if n > enumerate::MAX_ORDER => {
-            Err(LcpError::TooLarge { name: "method=\"enumerate\"", n, limit: enumerate::MAX_ORDER })
-        }
-        _ => Ok(()),
-    }
-}
-
-/// What does not depend on whether A is dense.
-fn check_common(n: usize, settings: &Settings) -> Result<()> {
-    if !(settings.tol > 0.0 && settings.tol < 1.0) {
-        return Err(LcpError::OutOfRange { name: "tol", value: settings.tol, rule: "in (0, 1)" });
-    }
-    if let Method::Approximate(method) = &settings.method {
-        method.check()?;
-    }
-    let Some(z0) = &settings.z0 else { return Ok(()) };
-    check_vector("z0", z0, n)?;
-    match z0.iter().position(|&x| x < 0.0) {
-        Some(index) => Err(LcpError::Negative { name: "z0", index, value: z0[index] }),
-        None => Ok(()),
-    }
-}
-
-fn check_vector(name: &'static str, v: &[f64], n: usize) -> Result<()> {
-    if v.len() != n {
-        return Err(LcpError::WrongLength { name, expected: n, found: v.len() });
-    }
-    check_finite(name, v)
-}
-
-/// The answers that cost no pivot.
-fn at_once(problem: &Equilibrated<'_>, settings: &Settings) -> Option<Solution> {
-    let from_values = matches!(settings.method, Method::Approximate(_));
-    trivial(problem, settings.tol).or_else(|| if from_values { None } else { warm(problem, settings) })
-}
-
-/// `q >= 0`: z = 0 solves the problem, whatever A is.
-fn trivial<P: Rows>(problem: &Equilibrated<'_, P>, tol: f64) -> Option<Solution> {
-    problem.original.q().iter().all(|&q| q >= 0.0).then(|| {
-        let z = vec![0.0; problem.original.n()];
-        let candidate = Candidate { alpha: Some(vec![]), ..Candidate::point(z, Termination::ComplementaryBasis, 0) };
-        judge(problem, candidate, Member::Trivial, tol)
-    })
-}
-
-/// The support of `z0`, then `z0` itself, is tried as it is: right, it costs one factorisation and no pivot.
-fn warm(problem: &Equilibrated<'_>, settings: &Settings) -> Option<Solution> {
-    let z0 = settings.z0.as_deref()?;
-    let alpha = support(z0);
-    let basic = basic_point(&problem.lcp, &alpha).map(|z| (z, Some(alpha)));
-    let given = Some((problem.scaling.z_from_caller(z0), None));
-    [basic, given].into_iter().flatten().find_map(|(z, alpha)| {
-        let candidate = Candidate { alpha, ..Candidate::point(z, Termination::ComplementaryBasis, 0) };
-        let solution = judge(problem, candidate, Member::WarmStart, settings.tol);
-        (solution.is_solved() && !doubt::misses_q(problem.original, &solution)).then_some(solution)
-    })
-}
-
 /// The caller's covering vector on the equilibrated problem, scaled to a maximum near 1: a common factor only changes
 /// the unit of `z_0`, which should be that of everything else.
 fn covering_vector(problem: &Equilibrated<'_>, d: &[f64]) -> Vec<f64> {
@@ -507,14 +239,4 @@ fn covering_vector(problem: &Equilibrated<'_>, d: &[f64]) -> Vec<f64> {
     let shift = |d: &f64, r: &i32| exponent(*d) + r;
     let largest = d.iter().zip(&problem.scaling.rows).map(|(d, r)| shift(d, r)).max().unwrap_or(0);
     d.iter().zip(&problem.scaling.rows).map(|(d, r)| scaled(d, r - largest).max(f64::MIN_POSITIVE)).collect()
-}
-
-/// The same limits, and at most `limit` iterations.
-fn with_limit<'a>(control: &Control<'a>, limit: usize) -> Control<'a> {
-    control.with_max_iterations(Some(control.max_iterations.map_or(limit, |own| own.min(limit))))
-}
-
-/// Indices of the positive entries.
-fn support(z: &[f64]) -> Vec<usize> {
-    (0..z.len()).filter(|&i| z[i] > 0.0).collect()
 }

@@ -2,8 +2,10 @@
 //!
 //! Which attempt, and how long, was measured: see `benches/record/approximate.md`.
 
-use super::approximate::{Approximate, solve};
-use super::{Certify, Settings, pieces, with_limit};
+use super::approximate::solve;
+use super::pieces;
+use super::portfolio::with_limit;
+use super::settings::{Approximate, Certify, Settings};
 use crate::control::Control;
 use crate::equilibrate::Equilibrated;
 use crate::iterative::{Dense, Goal};

@@ -1,10 +1,12 @@
 //! `auto`: the portfolio on each part of the problem that can be solved on its own, the answer certified on the whole.
 
-use super::{Settings, at_once, portfolio, small};
+use super::parts::{name, subproblem};
+use super::settings::Settings;
+use super::start::at_once;
+use super::{portfolio, small};
 use crate::control::Control;
 use crate::equilibrate::Equilibrated;
 use crate::judge::judge;
-use crate::linalg::kernels::dot_compensated;
 use crate::member::Member;
 use crate::presolve::{self, Part, Plan};
 use crate::problem::Lcp;
@@ -131,35 +133,5 @@ impl<'a> Assembly<'a> {
         let mut solution = judge(self.problem, candidate, name(&self.pieces), self.settings.tol);
         solution.pieces = self.pieces;
         solution
-    }
-}
-
-/// One part on the caller's numbers, where the parts before it have the solution `z`. `None` if its q is beyond the doubles.
-pub(super) fn subproblem(lcp: &Lcp, part: &Part, z: &[f64]) -> Option<Lcp> {
-    let q = |i: usize| if part.follows { dot_compensated(lcp.q()[i], lcp.row(i), z).0 } else { lcp.q()[i] };
-    let q: Vec<f64> = part.indices.iter().map(|&i| q(i)).collect();
-    q.iter().all(|q| q.is_finite()).then(|| presolve::subproblem(lcp, &part.indices, q))
-}
-
-/// The method that answered every part, but for those with `q >= 0`; [`Member::Pieces`] when there are several.
-pub(super) fn name(pieces: &[Piece]) -> Member {
-    let mut methods = pieces.iter().map(|(_, method)| *method).filter(|method| *method != Member::Trivial);
-    match methods.next() {
-        None => Member::Trivial,
-        Some(first) if methods.all(|method| method == first) => first,
-        Some(_) => Member::Pieces,
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_part_whose_q_overflows_has_no_answer() {
-        let lcp = Lcp::new(2, vec![1e-200, 0.0, 1e200, 1.0], vec![-1e100, 0.0]).expect("valid");
-        let part = Part { indices: vec![1], follows: true };
-        assert!(subproblem(&lcp, &part, &[1e100, 0.0]).is_some());
-        assert!(subproblem(&lcp, &part, &[1e300, 0.0]).is_none());
     }
 }

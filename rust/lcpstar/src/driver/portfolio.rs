@@ -3,7 +3,9 @@
 //! Deterministic; the first member whose point is certified (solved, or infeasible with a checked Farkas vector) answers
 //! and is named in the result. A member that fails costs its pivot budget, never the answer.
 
-use super::{Certify, Settings, polish, prove, support, with_limit};
+use super::settings::{Certify, DEFAULT_RESTARTS, Settings};
+use super::start::support;
+use super::{interior_point as congruent, polish, prove};
 use crate::control::Control;
 use crate::equilibrate::Equilibrated;
 use crate::judge::judge;
@@ -227,14 +229,12 @@ pub(super) fn auto(problem: &Equilibrated<'_>, settings: &Settings, control: &Co
 fn last_resorts(mut portfolio: Portfolio<'_>, settings: &Settings) -> Solution {
     let problem = portfolio.problem;
     let lcp = &problem.lcp;
-    if lemke_members(&mut portfolio, super::DEFAULT_RESTARTS, 0) {
+    if lemke_members(&mut portfolio, DEFAULT_RESTARTS, 0) {
         return portfolio.finish();
     }
     // Frictional contact under a heavy load: the pivots that matter are as small as the rounding of redundant rows.
     let options = interior_point::Settings::default();
-    if portfolio
-        .run(Member::InteriorPoint, |control| super::interior_point_candidate(problem, settings, &options, control))
-    {
+    if portfolio.run(Member::InteriorPoint, |control| congruent::dense(problem, settings, &options, control)) {
         return portfolio.finish();
     }
     let options = bilinear::Settings::default();
@@ -323,4 +323,9 @@ fn lemke_members(portfolio: &mut Portfolio<'_>, restarts: usize, seed: u64) -> b
         }
     }
     false
+}
+
+/// The same limits, and at most `limit` iterations.
+pub(super) fn with_limit<'a>(control: &Control<'a>, limit: usize) -> Control<'a> {
+    control.with_max_iterations(Some(control.max_iterations.map_or(limit, |own| own.min(limit))))
 }

@@ -4,7 +4,7 @@
 //! said ([`Farkas::new`], [`check_solution`]): one look at the numbers, whatever became of them on the way. Only the equations
 //! of a basis that [`prove_solution`] accepts are not: the p-adic solve has proved them.
 
-use super::{Certify, Settings};
+use super::settings::{Certify, Settings};
 use crate::control::Control;
 use crate::equilibrate::{Equilibrated, Rows};
 use crate::exact::face::{prove_by_programme, prove_tight};

@@ -1,8 +1,10 @@
 //! The kernel for small problems in front of the portfolio of `"auto"`.
 
-use super::pieces::{self, subproblem};
+use super::doubt;
+use super::parts::{self, subproblem};
 use super::portfolio::SHIFT;
-use super::{Certify, Method, Settings, check_common, doubt, support};
+use super::settings::{Certify, Method, Settings, check_common};
+use super::start::support;
 use crate::control::Control;
 use crate::equilibrate::Equilibrated;
 use crate::judge::judge;
@@ -178,7 +180,7 @@ fn solve_parts(lcp: &Lcp, plan: &Plan, settings: &Settings, control: &Control<'_
     }
     alpha.sort_unstable();
     let whole = verified(lcp, z, Some(alpha), settings.tol)?;
-    Some(Solution { method: pieces::name(&pieces), iterations, pieces, ..whole })
+    Some(Solution { method: parts::name(&pieces), iterations, pieces, ..whole })
 }
 
 /// Whether block pivoting is likely to end: the diagonal is positive, and A symmetric or without a zero in its first row, which
