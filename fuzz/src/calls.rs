@@ -1,31 +1,17 @@
 //! The public entry points, with fuzzed options.
 
-use crate::exact::Dyadic;
 use crate::input::{Bytes, Problem, Taste, tamed};
+use crate::options::{guess, method, potential, tolerance};
 use crate::oracle::{self, Limits};
+use crate::show::show;
 use lcpstar::batch::{Alpha, Guess, Numbers, Output, Problems, Source, solve_batch};
-use lcpstar::classes::budget::Budget;
-use lcpstar::classes::class::{Class, Facts, SYMBOLS};
-use lcpstar::driver::{self, Approximate, Certify, Method, Settings};
-use lcpstar::exact::imatrix::IMatrix;
-use lcpstar::exact::int::Int;
-use lcpstar::methods::potential_reduction::{DirectionSolver, Stop};
-use lcpstar::methods::{
-    admm, bilinear, block_pivoting, interior_point, lemke, lemke_howson, newton, pgs, pgs_sm, potential_reduction,
-};
+use lcpstar::driver::{self, Certify, Method, Settings};
 use lcpstar::{Certificate, Control, Lcp, LcpError, SparseLcp, Status};
-use std::cmp::Ordering;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 use std::time::{Duration, Instant};
 
 /// Exponential calls get this long; libFuzzer's own `-timeout` judges whether they keep it.
-const LIMIT: Duration = Duration::from_secs(1);
-
-fn show(what: &dyn std::fmt::Debug) {
-    if *crate::SHOW {
-        eprintln!("{what:?}");
-    }
-}
+pub const LIMIT: Duration = Duration::from_secs(1);
 
 fn lcp(problem: &Problem) -> Lcp {
     show(problem);
@@ -91,95 +77,6 @@ fn justified(error: &LcpError, n: usize, settings: &Settings) {
         _ => false,
     };
     assert!(right && !error.to_string().is_empty(), "unjustified: {error} at n = {n} with {settings:?}");
-}
-
-fn tolerance(bytes: &mut Bytes<'_>) -> f64 {
-    match bytes.byte() {
-        b @ 0..=127 => [1e-9, 1e-6, 1e-3, 1e-12, 0.5, 1e-15, 1e-2, 1e-20][usize::from(b) % 8],
-        128..=191 => bytes.raw().abs(),
-        _ => bytes.raw(),
-    }
-}
-
-/// Nothing, a plausible guess, or anything.
-fn guess(bytes: &mut Bytes<'_>, n: usize) -> Option<Vec<f64>> {
-    match bytes.below(6) {
-        0..=2 => None,
-        3 => Some((0..n).map(|_| bytes.number(Taste::Integers).max(0.0)).collect()),
-        4 => Some((0..n).map(|_| bytes.number(Taste::Wild).abs()).collect()),
-        _ => Some((0..bytes.below(8)).map(|_| bytes.raw()).collect()),
-    }
-}
-
-fn method(bytes: &mut Bytes<'_>, n: usize) -> Method {
-    let name = Method::NAMES[bytes.below(Method::NAMES.len())];
-    let method = Method::from_name(name).expect("a listed name");
-    if !bytes.flag() {
-        return method;
-    }
-    match method {
-        Method::Lemke { .. } => {
-            let d = bytes.flag().then(|| (0..n).map(|_| bytes.number(Taste::Wild).abs()).collect());
-            Method::Lemke { settings: lemke::Settings { d }, restarts: bytes.below(9), seed: u64::from(bytes.byte()) }
-        }
-        Method::LemkeHowson(_) => Method::LemkeHowson(lemke_howson::Settings { label: bytes.below(42) }),
-        Method::Bilinear(_) => {
-            Method::Bilinear(bilinear::Settings { starts: bytes.below(9), seed: u64::from(bytes.byte()) })
-        }
-        Method::BlockPivoting(_) => {
-            let alpha = bytes.flag().then(|| (0..bytes.below(8)).map(|_| bytes.below(42)).collect());
-            let patience = bytes.below(9);
-            let shift = if bytes.flag() { 1e-10 } else { 0.0 };
-            Method::BlockPivoting(block_pivoting::Settings { patience, alpha, murty: bytes.flag(), shift })
-        }
-        Method::InteriorPoint(_) => Method::InteriorPoint(interior_point::Settings {
-            finish: bytes.flag(),
-            ..interior_point::Settings::default()
-        }),
-        Method::PotentialReduction(_) => Method::PotentialReduction(potential(bytes)),
-        Method::Approximate(method) => Method::Approximate(approximate(bytes, method)),
-        other => other,
-    }
-}
-
-/// Relaxation factors in and out of range, counts from 0.
-fn approximate(bytes: &mut Bytes<'_>, method: Approximate) -> Approximate {
-    let relaxation = match bytes.byte() {
-        b @ 0..=250 => f64::from(b) / 120.0,
-        _ => bytes.raw(),
-    };
-    match method {
-        Approximate::Pgs(_) => Approximate::Pgs(pgs::Settings { relaxation, symmetric: bytes.flag() }),
-        Approximate::PgsSm(_) => {
-            Approximate::PgsSm(pgs_sm::Settings { sweeps: bytes.below(9), solves: bytes.below(6), relaxation })
-        }
-        Approximate::Admm(_) => {
-            let rho = if bytes.flag() { bytes.raw() } else { 2f64.powi(i32::from(bytes.byte() as i8) / 8) };
-            Approximate::Admm(admm::Settings { rho, relaxation, polish: bytes.flag() })
-        }
-        Approximate::Newton(_) => Approximate::Newton(newton::Settings { patience: bytes.below(6) }),
-        other => other,
-    }
-}
-
-/// The paper's parameters: sensible ones or any double.
-fn potential(bytes: &mut Bytes<'_>) -> potential_reduction::Settings {
-    let mut unit = |usual: f64| match bytes.byte() {
-        0..=127 => usual,
-        b @ 128..=250 => f64::from(b) / 256.0 - 0.4,
-        _ => bytes.raw(),
-    };
-    let (beta, gamma, sigma, kappa_factor) = (unit(0.5), unit(0.5), unit(0.2), unit(0.01) + 1.0);
-    potential_reduction::Settings {
-        beta,
-        gamma,
-        sigma,
-        kappa_factor,
-        min_halvings: bytes.below(70),
-        direction: if bytes.flag() { DirectionSolver::Qr } else { DirectionSolver::Cholesky },
-        long_step: bytes.flag(),
-        stop: Stop::Gap(1e-5),
-    }
 }
 
 /// The same small problem by three methods with exact certificates: proofs must not contradict each other. The paper's
@@ -442,90 +339,4 @@ pub fn transform(bytes: &mut Bytes<'_>) {
         Err(LcpError::NotFinite { name: "M" | "p", .. }) => {}
         Err(error) => panic!("{error}"),
     }
-}
-
-/// Class memberships of a small integer matrix: inclusions, transposition, permutation.
-pub fn classes(bytes: &mut Bytes<'_>) {
-    let n = 1 + bytes.below(4);
-    let wide = bytes.below(4) == 3;
-    let entries: Vec<i64> = (0..n * n)
-        .map(|_| {
-            i64::from(bytes.byte() as i8) * if wide { 1_000_000_007_000_003 } else { 1 } / if wide { 1 } else { 32 }
-        })
-        .collect();
-    let matrix = |at: &dyn Fn(usize, usize) -> (usize, usize)| {
-        IMatrix::from_fn(n, n, |i, j| {
-            let (i, j) = at(i, j);
-            Int::from(entries[i * n + j])
-        })
-    };
-    show(&entries);
-    let stop = Instant::now() + LIMIT;
-    let budget = Budget::new(Some(stop), None);
-    let plain = Facts::new(matrix(&|i, j| (i, j)));
-    let flipped = Facts::new(matrix(&|i, j| (n - 1 - i, n - 1 - j)));
-    let transposed = Facts::new(matrix(&|i, j| (j, i)));
-    let chosen: Vec<Class> = (0..6).map(|_| SYMBOLS[bytes.below(SYMBOLS.len())].1).collect();
-    let holds = |facts: &Facts, class| facts.holds(class, &budget);
-    for class in chosen {
-        let (Ok(here), Ok(there)) = (holds(&plain, class), holds(&flipped, class)) else { return };
-        assert_eq!(here, there, "{class:?} changes under a permutation: {entries:?}");
-        if matches!(
-            class,
-            Class::P | Class::P0 | Class::PSD | Class::PD | Class::C0 | Class::C | Class::N | Class::SU | Class::E
-        ) {
-            let Ok(there) = holds(&transposed, class) else { return };
-            assert_eq!(here, there, "{class:?} changes under transposition: {entries:?}");
-        }
-        if here {
-            for &(small, large) in INCLUSIONS.iter().filter(|(small, _)| *small == class) {
-                let Ok(large_holds) = holds(&plain, large) else { return };
-                assert!(large_holds, "{small:?} without {large:?}: {entries:?}");
-            }
-        }
-    }
-    two_by_two(n, &entries, &plain, &budget);
-}
-
-/// Inclusions of the literature [CPS92].
-const INCLUSIONS: [(Class, Class); 27] = [
-    (Class::PD, Class::PSD),
-    (Class::PD, Class::P),
-    (Class::PD, Class::C),
-    (Class::PSD, Class::SU),
-    (Class::PSD, Class::C0Plus),
-    (Class::PSD, Class::P0),
-    (Class::SU, Class::P0),
-    (Class::SU, Class::Q0),
-    (Class::RSU, Class::Q0),
-    (Class::CSU, Class::P0),
-    (Class::P, Class::P0),
-    (Class::P, Class::SU),
-    (Class::P, Class::E),
-    (Class::P, Class::Q),
-    (Class::P, Class::R0),
-    (Class::P0, Class::E0),
-    (Class::C, Class::C0),
-    (Class::C, Class::E),
-    (Class::C0, Class::E0),
-    (Class::C0Plus, Class::C0),
-    (Class::C0Plus, Class::L),
-    (Class::E, Class::E0),
-    (Class::E, Class::Q),
-    (Class::L, Class::Q0),
-    (Class::Q, Class::Q0),
-    (Class::Z, Class::Q0),
-    (Class::TE0s, Class::E0),
-];
-
-/// P and P0 of order 2 by hand, in 128 bits.
-fn two_by_two(n: usize, entries: &[i64], facts: &Facts, budget: &Budget<'_>) {
-    if n != 2 {
-        return;
-    }
-    let x: Vec<Dyadic> = entries.iter().map(|&x| Dyadic::integer(&x.into())).collect();
-    let determinant = x[0].times(&x[3]).minus(&x[1].times(&x[2])).sign();
-    let least = x[0].sign().min(x[3].sign()).min(determinant);
-    assert_eq!(facts.holds(Class::P, budget), Ok(least == Ordering::Greater));
-    assert_eq!(facts.holds(Class::P0, budget), Ok(least != Ordering::Less));
 }

@@ -4,13 +4,12 @@
 #![no_main]
 
 mod calls;
+mod classes;
 mod exact;
 mod input;
+mod options;
 mod oracle;
-
-/// `LCPSTAR_FUZZ_SHOW=1 target/release/lcpstar-fuzz FILE` prints the problem and the options that FILE stands for.
-pub static SHOW: std::sync::LazyLock<bool> =
-    std::sync::LazyLock::new(|| std::env::var_os("LCPSTAR_FUZZ_SHOW").is_some());
+mod show;
 
 libfuzzer_sys::fuzz_target!(|data: &[u8]| {
     let mut bytes = input::Bytes::new(data);
@@ -21,6 +20,6 @@ libfuzzer_sys::fuzz_target!(|data: &[u8]| {
         8 => calls::sparse(&mut bytes),
         9 => calls::solution_set(&mut bytes),
         10 => calls::transform(&mut bytes),
-        _ => calls::classes(&mut bytes),
+        _ => classes::classes(&mut bytes),
     }
 });
