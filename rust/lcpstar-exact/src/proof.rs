@@ -11,8 +11,9 @@ use num_bigint::BigInt;
 use num_traits::{Signed, Zero};
 use std::cmp::Ordering;
 
-/// A point proved to solve LCP(q, A).
+/// A point proved to solve LCP(q, A); made in this crate alone.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct ExactSolution {
     /// The index set whose rows were solved: `w_alpha = 0`, `z_i = 0` outside.
     pub alpha: Vec<usize>,

@@ -51,7 +51,7 @@ impl Verdict {
         let solution = |alpha, exact| (Status::Solved, Some(Certificate::Solution { alpha, exact }));
         let (status, certificate) = match evidence {
             Evidence::Passed(_, alpha) | Evidence::Accepted(_, alpha) => solution(alpha, None),
-            Evidence::Proved(ExactSolution { alpha, z }) => solution(alpha, Some(z)),
+            Evidence::Proved(ExactSolution { alpha, z, .. }) => solution(alpha, Some(z)),
             Evidence::Refuted(Refutation::Exact(farkas)) => {
                 (Status::Infeasible, Some(Certificate::Infeasible { y: farkas.into_vector() }))
             }
@@ -127,7 +127,7 @@ pub enum Certificate {
 impl From<Aside> for Certificate {
     fn from(aside: Aside) -> Self {
         match aside {
-            Aside::Solution(ExactSolution { alpha, z }) => Self::Solution { alpha, exact: Some(z) },
+            Aside::Solution(ExactSolution { alpha, z, .. }) => Self::Solution { alpha, exact: Some(z) },
             Aside::Ray(z_hat) => Self::Ray { z_hat },
             Aside::NotSufficient(found) => Self::NotSufficient(found),
         }
