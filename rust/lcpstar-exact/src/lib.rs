@@ -4,6 +4,7 @@
 
 pub mod classes;
 pub mod cone;
+mod cutovers;
 pub mod dyadic;
 pub mod elimination;
 pub mod face;

@@ -1,6 +1,6 @@
 //! The one file that names nalgebra and faer.
 //!
-//! Dense square systems: nalgebra below [`CUT_OVER`], where a factorisation costs less than faer's dispatch, faer from
+//! Dense square systems: nalgebra below [`FAER_FROM`], where a factorisation costs less than faer's dispatch, faer from
 //! there on, where blocking pays. The cut-over was measured by `cargo bench -p lcpstar --bench backend`
 //! (record in `benches/record/backend.md`).
 
@@ -10,6 +10,7 @@ mod row_space;
 mod shifted;
 mod sparse;
 
+use crate::cutovers::FAER_FROM;
 pub use gram::{GramCholesky, StackedQr};
 pub use row_space::RowSpace;
 pub use shifted::{ShiftedFactor, Structure};
@@ -20,9 +21,6 @@ use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::solvers::{Solve, SolveLstsq};
 use lu::InPlaceLu;
 use nalgebra::{DMatrix, DVector, Dyn, LU};
-
-/// Order from which faer is the faster of the two.
-pub const CUT_OVER: usize = 48;
 
 /// `P B = L U` of a dense square matrix, by partial pivoting; another one is factored in the same memory.
 #[derive(Default)]
@@ -36,7 +34,7 @@ impl DenseLu {
     /// Factors the row-major matrix `b` of order `n`. O(n^3). `None` if a pivot is zero or not finite.
     #[must_use]
     pub fn new(n: usize, b: &[f64]) -> Option<Self> {
-        if n < CUT_OVER { Self::small(n, b) } else { Self::large(n, b) }
+        if n < FAER_FROM { Self::small(n, b) } else { Self::large(n, b) }
     }
 
     /// As [`DenseLu::new`], by nalgebra whatever n is.
@@ -62,7 +60,7 @@ impl DenseLu {
 
     /// Factors what was filled in, of order `n`. O(n^3). `false` if a pivot is zero or not finite.
     pub fn factor(&mut self, n: usize) -> bool {
-        if n < CUT_OVER { self.factor_small(n) } else { self.factor_large(n) }
+        if n < FAER_FROM { self.factor_small(n) } else { self.factor_large(n) }
     }
 
     fn factor_small(&mut self, n: usize) -> bool {
@@ -124,7 +122,7 @@ impl DenseCholesky {
     #[must_use]
     pub fn new(n: usize, b: &[f64]) -> Option<Self> {
         debug_assert!(b.len() == n * n);
-        let factor = if n < CUT_OVER {
+        let factor = if n < FAER_FROM {
             // Symmetric: the column-major copy of a row-major matrix is the matrix itself.
             CholeskyFactor::Small(nalgebra::Cholesky::new(DMatrix::from_column_slice(n, n, b))?)
         } else {
@@ -232,7 +230,7 @@ mod tests {
 
     #[test]
     fn both_sides_of_the_cut_over_solve() {
-        for n in [1, 2, 5, CUT_OVER - 1, CUT_OVER, 50] {
+        for n in [1, 2, 5, FAER_FROM - 1, FAER_FROM, 50] {
             let b = matrix(n);
             let x: Vec<f64> = (0..n).map(|i| i as f64 - 2.0).collect();
             let rhs: Vec<f64> = (0..n).map(|i| (0..n).map(|j| b[i * n + j] * x[j]).sum()).collect();

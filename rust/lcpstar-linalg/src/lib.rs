@@ -4,6 +4,7 @@
 pub mod backend;
 pub mod blocked;
 pub mod compensated;
+pub mod cutovers;
 pub mod dd;
 pub mod kernels;
 pub mod square;

@@ -1,6 +1,7 @@
 //! `solve` and `ppt`.
 
-use lcpstar::driver::{self, BRIEF_UP_TO, Certify, Method, Settings};
+use lcpstar::cutovers::BRIEF_UP_TO;
+use lcpstar::driver::{self, Certify, Method, Settings};
 use lcpstar::methods::{bilinear, block_pivoting, lemke, lemke_howson};
 use lcpstar::pivoting::transform::principal_pivot_transform;
 use lcpstar::{Control, Lcp, LcpError};

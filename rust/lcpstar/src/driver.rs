@@ -14,7 +14,8 @@ mod small;
 mod start;
 
 use crate::control::Control;
-use crate::equilibrate::{DENSE_UP_TO, Equilibrated, Rows};
+use crate::cutovers::DENSE_UP_TO;
+use crate::equilibrate::{Equilibrated, Rows};
 use crate::error::{LcpError, Result};
 use crate::judge::{judge, without_tails};
 use crate::member::Member;
@@ -43,7 +44,7 @@ pub fn solve(lcp: &Lcp, settings: &Settings, control: &Control<'_>) -> Result<So
     }
 }
 
-/// The first step of [`solve`]: the kernel for small problems, microseconds up to order [`BRIEF_UP_TO`]. `None` says nothing
+/// The first step of [`solve`]: the kernel for small problems, microseconds up to order [`BRIEF_UP_TO`](crate::cutovers::BRIEF_UP_TO). `None` says nothing
 /// about the problem or the settings.
 #[must_use]
 pub fn solve_briefly(lcp: &Lcp, settings: &Settings, control: &Control<'_>) -> Option<Solution> {
@@ -55,9 +56,6 @@ pub fn solve_briefly(lcp: &Lcp, settings: &Settings, control: &Control<'_>) -> O
 pub(crate) fn solve_from_guess(lcp: &Lcp, settings: &Settings) -> Option<Solution> {
     small::from_guess(lcp, settings)
 }
-
-/// Order up to which [`solve_briefly`] takes microseconds: too short for a lock to be handed over.
-pub const BRIEF_UP_TO: usize = 16;
 
 /// What follows in [`solve`].
 ///

@@ -1,5 +1,6 @@
 //! A problem beside its equilibrated copy, dense or sparse: what was computed once and is carried along the road.
 
+use crate::cutovers::DENSE_UP_TO;
 use crate::linalg::kernels;
 use crate::problem::Lcp;
 use crate::scaling::{Scaling, ZERO, are_ordinary, exponent, power_of_two, times_power_of_two};
@@ -36,9 +37,6 @@ pub trait Rows: Clone {
         found
     }
 }
-
-/// Largest order of a sparse problem that is made dense for exact arithmetic.
-pub const DENSE_UP_TO: usize = 2000;
 
 impl Rows for Lcp {
     fn n(&self) -> usize {

@@ -27,6 +27,8 @@ pub mod batch;
 #[doc(hidden)]
 pub mod control;
 #[doc(hidden)]
+pub mod cutovers;
+#[doc(hidden)]
 pub mod driver;
 #[doc(hidden)]
 pub mod equilibrate;

@@ -3,6 +3,7 @@
 //! Exactly, `y >= 0`, `A'y <= 0` and `q'y < 0` are a proof: `0 <= y'(A z + q) <= q'y < 0`. Where `delta = max_j (A'y)_j` is positive,
 //! every feasible z has `0 <= delta sum(z) + q'y`, so that `sum(z) >= -q'y / delta`.
 
+use crate::cutovers::REPAIR_UP_TO;
 use crate::equilibrate::{Equilibrated, Rows};
 use crate::exact::dyadic::{RationalVec, Scaled, linear_form};
 use crate::exact::farkas::{check_farkas, repair_farkas};
@@ -59,9 +60,6 @@ const LARGE: f64 = 1e10;
 /// Bits to which the entries of a candidate are rounded, beside the largest: what elimination left of a vector of small integers
 /// becomes one again.
 const ROUNDINGS: [i32; 3] = [44, 32, 20];
-
-/// Largest order at which a vector is repaired by an exact solve with the rows that are tight.
-const REPAIR_UP_TO: usize = 400;
 
 /// The best proof that comes from the multipliers `y` of the rows of the equilibrated problem: as they are, rounded to few bits, or
 /// repaired. O(n^2); a repair costs an exact solve.

@@ -6,6 +6,7 @@
 
 use super::budget::{Budget, Search};
 use super::dominance::is_known;
+use crate::cutovers::BY_SIZE_UP_TO;
 use crate::elimination::determinant;
 use crate::imatrix::{IMatrix, by_size, full, indices, of_size};
 use crate::int::Int;
@@ -34,8 +35,6 @@ impl Rule {
     }
 }
 
-/// Up to this order all subsets are tried by size, so that the witness is a smallest one.
-const BY_SIZE_UP_TO: usize = 10;
 /// Beyond it, minors of these orders come first.
 const SMALL_ORDER: usize = 3;
 

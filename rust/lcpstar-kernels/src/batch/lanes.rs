@@ -7,22 +7,16 @@ mod transpose;
 
 use super::io::{Guess, Output};
 use super::lemke_lanes::Pivots;
-use super::minors::{MINORS_ORDER, enumerate};
+use super::minors::enumerate;
 use super::newton::{Tile, improve_guess, multiply, newton, refine, solve_guess};
 use super::task::{ENUMERATE, LEMKE, NEWTON, Task};
+use crate::cutovers::{LEMKE_ORDER, MINORS_ORDER, NEWTON_ORDER};
 use crate::small::lane::{BLOCK, Lane, MOST_LANES, Mask};
 use crate::small::lemke::PIVOTS_PER_ROW;
 use crate::small::scales::Scales;
 use crate::small::verify::{Verdict, verify};
 use phase::{PHASES, Phase};
 use transpose::transpose;
-
-/// Largest order for which Lemke's method runs in lanes: above, one problem at a time is faster.
-const LEMKE_ORDER: usize = 12;
-
-/// Largest order for which Newton's method, without a guess, is tried. Above, Lemke's method, one problem at a time, costs a tenth
-/// more where A is regular and a third less where A is singular.
-const NEWTON_ORDER: usize = 16;
 
 /// Refinement steps at most.
 const REFINEMENTS: usize = 2;

@@ -3,9 +3,6 @@
 use super::newton::Tile;
 use crate::small::lane::{Lane, Mask};
 
-/// Largest order of [`enumerate`].
-pub const MINORS_ORDER: usize = 3;
-
 /// A w_i above minus this many spacings of `max|q|` counts as nonnegative; what is found is verified later.
 const NOISE: f64 = 64.0;
 

@@ -8,13 +8,11 @@
 
 mod factors;
 
+use crate::cutovers::MASKED_ORDER;
 use crate::small::lane::{Lane, MOST_LANES, Mask};
 use crate::small::lemke::CANCELLED;
 use crate::small::prefetch::Prefetch;
 use factors::{Factors, NOISE};
-
-/// Largest order at which masking the rows outside the support is cheaper than leaving them out.
-const MASKED_ORDER: usize = 16;
 
 /// The numbers of several problems of order n, lane by lane, and the memory that solving them takes.
 pub struct Tile<X: Lane> {

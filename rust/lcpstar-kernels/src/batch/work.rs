@@ -3,6 +3,7 @@
 use super::io::{Output, Problems};
 use super::lanes::Lanes;
 use super::task::{Asked, Task};
+use crate::cutovers::{GUESS_ORDER, PAIR_ORDER};
 #[cfg(target_arch = "x86_64")]
 use crate::small::avx::{Ymm2, Zmm};
 #[cfg(target_arch = "x86_64")]
@@ -10,12 +11,6 @@ use crate::small::lane::Pair;
 use crate::small::lane::{F64x8, Lane};
 use multiversion::multiversion;
 use multiversion::target::target_cfg_f;
-
-/// Largest order for which sixteen problems at a time, two chains of operations, are faster than eight.
-const PAIR_ORDER: usize = 16;
-
-/// Largest order for which a guessed support is tried in lanes.
-pub const GUESS_ORDER: usize = 32;
 
 /// Problems `first..first + output.status.len()` of a batch.
 #[derive(Debug)]

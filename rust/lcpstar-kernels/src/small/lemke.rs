@@ -11,6 +11,7 @@ use super::ratio::{first_to_reach_zero, last_to_become_nonnegative};
 use super::scales::Scales;
 use super::tableau::{Tableau, WIDTH, at, put};
 use super::verify::{Accepted, verify_one};
+use crate::cutovers::PATIENT_UP_TO;
 
 /// What came of a run.
 #[derive(Clone, Copy)]
@@ -39,9 +40,6 @@ const REFINEMENTS: usize = 2;
 
 /// Pivots per row of the problem after which the method gives up.
 pub const PIVOTS_PER_ROW: usize = 10;
-
-/// Order beyond which the limit on pivots no longer grows: the portfolio does better than to wait.
-const PATIENT_UP_TO: usize = 64;
 
 /// A sum smaller than this part of its terms' magnitudes is rounding error.
 pub const ROUNDING: f64 = 64.0 * f64::EPSILON;

@@ -15,12 +15,10 @@ pub mod scales;
 pub mod tableau;
 pub mod verify;
 
+pub use crate::cutovers::TINY_ORDER;
 use dispatch::{Task, run};
 use prefetch::Prefetch;
 pub use verify::Accepted;
-
-/// Largest order that [`solve`] takes.
-pub const TINY_ORDER: usize = 128;
 
 /// What the kernel has to say about a problem.
 #[derive(Clone, Copy, Debug)]

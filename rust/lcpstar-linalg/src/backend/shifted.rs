@@ -2,6 +2,7 @@
 
 use super::lu::InPlaceLu;
 use crate::blocked::BlockFactor;
+use crate::cutovers::SHIFTED_LIBRARY_FROM;
 use crate::kernels;
 use faer::diag::DiagRef;
 use faer::dyn_stack::{MemBuffer, MemStack};
@@ -87,7 +88,7 @@ pub struct ShiftedFactor {
     structure: Structure,
     /// Whether the last factorisation is LU.
     pivoted: bool,
-    /// Cholesky below the order [`LIBRARY_FROM`].
+    /// Cholesky below the order [`SHIFTED_LIBRARY_FROM`].
     own: BlockFactor,
     /// The factors, of LU or not.
     lu: InPlaceLu,
@@ -95,9 +96,6 @@ pub struct ShiftedFactor {
     memory: MemBuffer,
 }
 
-/// Order from which the library's Cholesky factorisation is as fast as this crate's: 0.5 of its time at 100, 0.75 at 300, 0.95 at
-/// 1000.
-const LIBRARY_FROM: usize = 1024;
 /// A pivot of the scaled matrix below this, or of the wrong sign, ends LDL'.
 const REGULARISATION: f64 = 1e-14;
 
@@ -140,7 +138,7 @@ impl ShiftedFactor {
     }
 
     fn is_own(&self) -> bool {
-        !self.pivoted && self.structure == Structure::Symmetric && self.n < LIBRARY_FROM
+        !self.pivoted && self.structure == Structure::Symmetric && self.n < SHIFTED_LIBRARY_FROM
     }
 
     fn factor_unpivoted(&mut self, a: &[f64], d: &[f64]) -> bool {

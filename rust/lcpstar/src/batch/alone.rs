@@ -3,6 +3,7 @@
 
 use super::{Guess, Output, Problems, Settings};
 use crate::control::Control;
+use crate::cutovers::LEMKE_ALONE_UP_TO;
 use crate::driver::{self, doubt};
 use crate::equilibrate::Equilibrated;
 use crate::error::{LcpError, Result};
@@ -15,10 +16,8 @@ use crate::small::prefetch::Prefetch;
 use crate::solution::{Candidate, Solution};
 use crate::status::Termination;
 use lcpstar_kernels::batch::task::LEMKE;
-use lcpstar_kernels::batch::work::{Chunk, GUESS_ORDER};
-
-/// Largest order for which Lemke's method is tried before the general solver.
-const SMALL_ORDER: usize = 192;
+use lcpstar_kernels::batch::work::Chunk;
+use lcpstar_kernels::cutovers::GUESS_ORDER;
 
 /// Memory of one thread.
 pub(super) struct Alone<'a> {
@@ -62,7 +61,7 @@ impl<'a> Alone<'a> {
     pub fn solve(&mut self, chunk: &mut Chunk<'_>, waiting: &mut Vec<usize>) -> Result<()> {
         let (n, settings) = (self.problems.n, self.settings);
         // Up to `GUESS_ORDER` the lanes have tried the guess.
-        let by_kernels = settings.by_kernels() && n > 0 && n <= SMALL_ORDER;
+        let by_kernels = settings.by_kernels() && n > 0 && n <= LEMKE_ALONE_UP_TO;
         let guessed = !matches!(settings.guess, Guess::None) && (n > GUESS_ORDER || !by_kernels);
         if guessed && by_kernels {
             self.by_guess(chunk, waiting)?;

@@ -7,6 +7,10 @@ use super::settings::{Certify, DEFAULT_RESTARTS, Settings};
 use super::start::support;
 use super::{interior_point as congruent, polish, prove};
 use crate::control::Control;
+use crate::cutovers::{
+    BLOCK_PIVOTING_FROM, DOUBLE_DOUBLE_UP_TO, ENUMERATE_UP_TO, EXACT_FEASIBILITY_UP_TO, FINISH_IN_DOUBLE_DOUBLE_UP_TO,
+    SHIFT_ABOVE, WARM_PATH_FIRST_UP_TO,
+};
 use crate::equilibrate::Equilibrated;
 use crate::judge::judge;
 use crate::linalg::dd::Dd;
@@ -19,15 +23,6 @@ use crate::problem::Lcp;
 use crate::residual::slack;
 use crate::solution::{Candidate, Solution};
 use crate::status::{Status, Termination};
-
-/// Order from which block pivoting is tried first: below it a few Lemke pivots cost less than one factorisation.
-const BLOCK_PIVOTING_FROM: usize = 24;
-/// Up to this order a guess is followed by Lemke's method before block pivoting starts from it.
-const WARM_PATH_FIRST_UP_TO: usize = 128;
-/// Largest order at which exact pivoting is asked whether a nearly infeasible problem is infeasible.
-const EXACT_FEASIBILITY_UP_TO: usize = 200;
-/// Largest order at which a dictionary in double-double arithmetic is still worth its 20-fold cost.
-const DOUBLE_DOUBLE_UP_TO: usize = 400;
 
 /// The members tried so far: their pivots, and the best answer that is not final.
 struct Portfolio<'a> {
@@ -162,8 +157,6 @@ pub(super) fn finished_by_pivots(
 /// What the finish of the interior point method should leave, and what it may start from.
 const FINISHED: f64 = 1e-12;
 const NEARLY: f64 = 1e-6;
-/// Seconds at this order: from a support that is nearly right, a path has few pivots.
-const FINISH_IN_DOUBLE_DOUBLE_UP_TO: usize = 1000;
 
 /// Criss-cross in doubles, then in double-doubles where rounding hid a proof.
 pub(super) fn principal_pivoting(problem: &Equilibrated<'_>, tol: f64, control: &Control<'_>) -> Solution {
@@ -199,7 +192,7 @@ pub(super) fn auto(problem: &Equilibrated<'_>, settings: &Settings, control: &Co
         let options = block_pivoting::Settings {
             alpha: settings.z0.as_deref().map(support),
             murty: false,
-            shift: if n > SHIFT_FROM && settings.certify == Certify::Float { SHIFT } else { 0.0 },
+            shift: if n > SHIFT_ABOVE && settings.certify == Certify::Float { SHIFT } else { 0.0 },
             ..block_pivoting::Settings::default()
         };
         let found = portfolio.run(Member::BlockPivoting, |control| {
@@ -253,12 +246,6 @@ fn pivots_worthwhile(n: usize) -> usize {
 
 /// `pivots n^2`: well below a second.
 const PROGRAMMES_WORK: usize = 1_000_000_000;
-
-/// Largest order at which all index sets are tried when everything else has failed.
-const ENUMERATE_UP_TO: usize = 12;
-
-/// Order above which a singular symmetric problem gets [`SHIFT`] here: below it, it had one before the kernel.
-const SHIFT_FROM: usize = 64;
 
 /// Shift of the diagonal for singular symmetric problems, beside its largest entry: far above rounding, and so far below 1 that
 /// one proximal step makes up for it. Not where a proof is asked for, which needs a nonsingular basis.

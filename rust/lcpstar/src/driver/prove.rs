@@ -6,6 +6,7 @@
 
 use super::settings::{Certify, Settings};
 use crate::control::Control;
+use crate::cutovers::PROGRAMMES_UP_TO;
 use crate::equilibrate::{Equilibrated, Rows};
 use crate::exact::face::{prove_by_programme, prove_tight};
 use crate::exact::feasibility::{Feasibility, feasibility as exact_feasibility};
@@ -120,8 +121,6 @@ struct Near<'a> {
 
 /// What counts as zero on the equilibrated problem, one guess after the other, times `max(1, max|z|)`.
 const ZEROS: [f64; 3] = [1e-14, 1e-11, 1e-8];
-/// Largest order for exact linear programmes, and the number of index sets tried.
-const PROGRAMMES_UP_TO: usize = 16;
 const PROGRAMMES: u32 = 64;
 
 impl<'a> Near<'a> {

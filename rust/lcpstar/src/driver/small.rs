@@ -6,6 +6,7 @@ use super::portfolio::SHIFT;
 use super::settings::{Certify, Method, Settings, check_common};
 use super::start::support;
 use crate::control::Control;
+use crate::cutovers::{GUESS_FROM, KERNEL_FIRST_UP_TO, SCALED_ABOVE};
 use crate::equilibrate::Equilibrated;
 use crate::judge::judge;
 use crate::member::Member;
@@ -71,8 +72,6 @@ pub(super) fn from_guess(lcp: &Lcp, settings: &Settings) -> Option<Solution> {
 
 /// Factorisations granted to a guess.
 const GUESS_FACTORISATIONS: usize = 4;
-/// Below this order a basis tried at once is doubted, which takes longer: see [`doubt`].
-const GUESS_FROM: usize = 17;
 
 /// As [`solve`], for a problem that presolve has left in one part.
 pub(super) fn solve_part(lcp: &Lcp, settings: &Settings, control: &Control<'_>) -> Option<Solution> {
@@ -110,16 +109,12 @@ pub(super) fn solve_part(lcp: &Lcp, settings: &Settings, control: &Control<'_>) 
     from_basis(&problem, alpha, iterations, settings.tol)
 }
 
-/// Up to this order the kernel's pivots are cheaper than the few factorisations of a symmetric A that block pivoting needs.
-const KERNEL_FIRST_UP_TO: usize = 64;
 /// Factorisations granted to block pivoting above it.
 const FACTORISATIONS: usize = 8;
-/// Above this order, the kernel works on the equilibrated problem where A is unbalanced.
-const SCALED_FROM: usize = 16;
 
 /// The problem with which to work, where the caller's numbers will not do.
 pub(super) fn equilibrated_if_unbalanced(lcp: &Lcp) -> Option<Equilibrated<'_>> {
-    (lcp.n() > SCALED_FROM && is_unbalanced(lcp)).then(|| Equilibrated::new(lcp))
+    (lcp.n() > SCALED_ABOVE && is_unbalanced(lcp)).then(|| Equilibrated::new(lcp))
 }
 
 /// z, its basis (its support, where blocks were shifted) and the number of factorisations of block pivoting, on the equilibrated

@@ -8,6 +8,7 @@ mod iterate;
 mod sparse;
 mod system;
 
+use crate::cutovers::SPARSE_FROM;
 pub use sparse::Sparse;
 pub use system::{Dense, NewtonSystem, Problem};
 
@@ -70,9 +71,6 @@ fn is_nearly_empty(lcp: &Lcp) -> bool {
     lcp.n() >= SPARSE_FROM && lcp.is_symmetric() && SPARSE * entries() <= lcp.a().len()
 }
 
-/// From this order on, with at most one entry in so many not zero, a sparse factorisation costs no more than a dense one where
-/// the pattern is random, and 5 to 30 times less on a stack of boxes (measured).
-const SPARSE_FROM: usize = 200;
 const SPARSE: usize = 24;
 
 /// As [`interior_point`] for a sparse A; each iteration costs a sparse factorisation.

@@ -1,5 +1,6 @@
 //! From a complementary basis to its point: a fresh factorisation of the original numbers.
 
+use crate::cutovers::LIBRARY_CHOLESKY_FROM;
 use crate::linalg::backend::{DenseCholesky, DenseLu, least_squares};
 use crate::linalg::blocked::BlockFactor;
 use crate::linalg::compensated::rows_compensated;
@@ -36,9 +37,6 @@ enum Held {
     Library(DenseCholesky),
 }
 
-/// Order from which a library factors by Cholesky: its loops also block for the second cache. Where that begins to pay depends on the machine, see
-/// `benches/record/backend.md`.
-const LIBRARY_FROM: usize = 600;
 /// A Cholesky pivot below `FLOOR |alpha|` of its diagonal entry is rounding error: the block is not positive definite.
 const FLOOR: f64 = 4.0 * f64::EPSILON;
 /// Refinement steps at most: each gains the digits that the factorisation has.
@@ -64,7 +62,7 @@ impl Block {
     pub fn factor_symmetric(&mut self, lcp: &Lcp, alpha: &[usize], shift: f64) -> bool {
         self.hold(alpha, Held::Cholesky);
         let m = alpha.len();
-        if m < LIBRARY_FROM {
+        if m < LIBRARY_CHOLESKY_FROM {
             return self.cholesky.cholesky(lcp.square(), alpha, shift, FLOOR * m as f64);
         }
         let mut block = principal_block(lcp, alpha);

@@ -8,6 +8,7 @@ mod connected;
 mod pattern;
 mod zeros;
 
+use crate::cutovers::WHOLE_UP_TO;
 use crate::problem::Lcp;
 pub use blocks::Part;
 use pattern::Pattern;
@@ -19,9 +20,6 @@ pub struct Plan {
     pub parts: Vec<Part>,
 }
 
-/// Islands up to this order are left whole: a few pivots cost less than taking them apart.
-const SMALL: usize = 16;
-
 /// How to solve LCP(q, A) in parts; `None` when it is one part with all indices, or of order up to 16.
 ///
 /// Costs O(n) where every row has a negative entry early or `q_i < 0`, and the first row and column of A have no zero; O(n^2)
@@ -29,7 +27,7 @@ const SMALL: usize = 16;
 #[must_use]
 pub fn plan(lcp: &Lcp) -> Option<Plan> {
     let n = lcp.n();
-    if n <= SMALL {
+    if n <= WHOLE_UP_TO {
         return None;
     }
     let full = blocks::first_reaches_all(lcp);
@@ -44,7 +42,7 @@ pub fn plan(lcp: &Lcp) -> Option<Plan> {
     pattern.transpose();
     let mut parts = Vec::new();
     for island in blocks::islands(&pattern, &pattern.set_of(0..n)) {
-        if island.len() <= SMALL {
+        if island.len() <= WHOLE_UP_TO {
             parts.push(Part { indices: island, follows: false });
             continue;
         }

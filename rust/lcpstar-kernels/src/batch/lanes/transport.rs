@@ -3,8 +3,8 @@
 use super::transpose::columns;
 use super::{Found, Group, Lanes, Phase};
 use crate::batch::io::Output;
-use crate::batch::minors::MINORS_ORDER;
 use crate::batch::task::Task;
+use crate::cutovers::MINORS_ORDER;
 use crate::small::lane::{BLOCK, Lane, MOST_LANES, Mask};
 use crate::small::verify::Verdict;
 

@@ -2,6 +2,7 @@
 
 use super::system::{NewtonSystem, Problem};
 use crate::control::Control;
+use crate::cutovers::DENSE_UP_TO;
 use crate::linalg::backend::SparseFactor;
 use crate::linalg::dd::{two_prod, two_sum};
 use crate::linalg::kernels::dot_compensated;
@@ -166,6 +167,3 @@ impl Problem for Sparse<'_> {
         (qy < 0.0 && worst * 1e11 <= -qy).then_some(y)
     }
 }
-
-/// Largest order at which a Farkas vector is polished on a dense copy.
-const DENSE_UP_TO: usize = 2000;
