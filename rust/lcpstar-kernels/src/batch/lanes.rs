@@ -289,7 +289,7 @@ impl<X: Lane> Lanes<X> {
         };
         let mut refined = 0;
         let verdict = loop {
-            let verdict = self.verdict::<N>(group.task.asked.tol);
+            let verdict = self.verdict::<N>(group.task.asked.tol, lanes);
             let wanting = lanes.and(verdict.solved().not());
             if refined == refinements || !wanting.any() {
                 break verdict;
@@ -315,9 +315,9 @@ impl<X: Lane> Lanes<X> {
     }
 
     #[inline(always)]
-    fn verdict<const N: usize>(&mut self, tol: f64) -> Verdict<X> {
+    fn verdict<const N: usize>(&mut self, tol: f64, asked: X::Mask) -> Verdict<X> {
         let tile = &self.tile;
-        verify::<X, N>(self.n, &tile.a, &tile.q, &tile.z, &tile.w, tol, &mut self.scales)
+        verify::<X, N>(self.n, &tile.a, &tile.q, &tile.z, &tile.w, tol, &mut self.scales, asked)
     }
 
     /// Lanes with a positive diagonal and lanes with a symmetric matrix.

@@ -41,17 +41,11 @@ pub fn work<'a>(
             return match problems.n {
                 4 => run::<Pair<Zmm>, 4>(problems, asked, next, rest),
                 8 => run::<Pair<Zmm>, 8>(problems, asked, next, rest),
-                12 => run::<Pair<Zmm>, 12>(problems, asked, next, rest),
-                16 => run::<Pair<Zmm>, 16>(problems, asked, next, rest),
                 _ => run::<Pair<Zmm>, 0>(problems, asked, next, rest),
             };
         }
         if target_cfg_f!(target_feature = "avx2") {
-            return match problems.n {
-                4 => run::<Ymm2, 4>(problems, asked, next, rest),
-                8 => run::<Ymm2, 8>(problems, asked, next, rest),
-                _ => run::<Ymm2, 0>(problems, asked, next, rest),
-            };
+            return run::<Ymm2, 0>(problems, asked, next, rest);
         }
     }
     portable(problems, asked, next, rest)

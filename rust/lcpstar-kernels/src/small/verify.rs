@@ -69,7 +69,8 @@ const LARGEST: f64 = 1e8;
 /// What `max|min(z', w')|` may be.
 const ABSOLUTE: f64 = 1e-6;
 
-/// Judges `z >= 0` and `w = A z + q` as computed. O(n^2). The scales are found if some lane may solve its problem.
+/// Judges `z >= 0` and `w = A z + q` as computed, in the lanes that are `asked`. O(n^2). The scales are found if one of them may solve
+/// its problem.
 #[inline(always)]
 pub fn verify<X: Lane, const N: usize>(
     n: usize,
@@ -79,6 +80,7 @@ pub fn verify<X: Lane, const N: usize>(
     w: &[X],
     tol: f64,
     scales: &mut Scales<X>,
+    asked: X::Mask,
 ) -> Verdict<X> {
     let n = if N == 0 { n } else { N };
     let (a, q, z, w) = (&a[..n * n], &q[..n], &z[..n], &w[..n]);
@@ -108,7 +110,7 @@ pub fn verify<X: Lane, const N: usize>(
         scales.bounds[i] = rows.judge(z[i], w[i], m);
         i += 1;
     }
-    let mut solved = rows.solved;
+    let mut solved = rows.solved.and(asked);
     if solved.and(rows.empty).any() {
         solved = solved.and(nothing_lost::<X, N>(n, a, q, z));
     }

@@ -7,7 +7,7 @@ use crate::member::Member;
 use crate::problem::Lcp;
 use crate::residual::{equilibrated_residual, natural_residual};
 use crate::scaling::times_power_of_two;
-use crate::small::lane::{F64x8, Lane};
+use crate::small::lane::{F64x8, Lane, Mask};
 use crate::small::scales::Scales;
 use crate::small::verify::verify;
 use crate::small::verify_point;
@@ -106,7 +106,7 @@ fn what_is_accepted_is_certified() {
         let w: Vec<Lanes> = (0..n).map(|i| (0..n).fold(q[i], |sum, j| sum.add_product(a[i * n + j], z[j]))).collect();
         let mut scales = Scales::default();
         scales.resize(n);
-        let verdict = verify::<Lanes, 0>(n, &a, &q, &z, &w, tol, &mut scales);
+        let verdict = verify::<Lanes, 0>(n, &a, &q, &z, &w, tol, &mut scales, Mask::ALL);
         for (l, point) in points.iter().enumerate() {
             let alone = verify_point(&point.a, &point.q, tol, &point.z, &mut vec![0.0; n]);
             *(if alone.is_some() { &mut accepted } else { &mut refused }) += 1;
