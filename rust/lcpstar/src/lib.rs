@@ -1,10 +1,9 @@
 #![doc = include_str!("../README.md")]
 //!
 //! # Inside
-//! Imports point one way:
-//! `error, status <- problem <- linalg, residual, pivoting, exact, presolve <- methods, judge <- driver <- batch <- api`.
-//! [CPS92] writes `M` for our `A`; inside, `M` is a principal pivot transform of `A`. Hidden modules are for the crates of this
-//! repository and promise nothing.
+//! Imports point one way: `error, status <- problem <- residual, pivoting, presolve <- methods, judge <- driver <- batch <- api`; linear
+//! algebra, exact arithmetic and the kernels for small problems are crates below. [CPS92] writes `M` for our `A`; inside, `M` is a
+//! principal pivot transform of `A`. Hidden modules are for the crates of this repository and promise nothing.
 
 mod api;
 mod error;

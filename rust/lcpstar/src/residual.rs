@@ -136,4 +136,22 @@ mod tests {
         assert_eq!(natural_residual(&[1.0, 0.0], &[0.0, -2.0]), 2.0);
         assert_eq!(natural_residual(&[], &[]), 0.0);
     }
+
+    #[test]
+    fn every_test_counts() {
+        let good = Row { equilibrated: [1.0, 1e-12], caller: [1.0, 1e-12, 2.0], part: 1e-12, is_tail: false };
+        let passes = |max_q: f64, row: Row| {
+            let mut rule = Rule::new(1e-9, max_q);
+            rule.add(row);
+            rule.passed(0.0).is_some()
+        };
+        assert!(passes(1.0, good));
+        assert!(!passes(1.0, Row { equilibrated: [1.0, 1e-8], ..good }));
+        let off = Row { caller: [1.0, 1e-6, 2.0], ..good };
+        assert!(!passes(1.0, off) && passes(1e3, off));
+        let huge = |w| Row { equilibrated: [1e6, w], ..good };
+        assert!(!passes(1.0, huge(1e-5)) && passes(1.0, huge(1e-7)));
+        let wrong = Row { part: 1e-3, ..good };
+        assert!(!passes(1.0, wrong) && passes(1.0, Row { is_tail: true, ..wrong }));
+    }
 }
