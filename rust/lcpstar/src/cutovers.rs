@@ -40,11 +40,8 @@ pub const LEMKE_ALONE_UP_TO: usize = 192;
 /// From this order on a symmetric A that is nearly empty is factored as a sparse matrix. Not recorded.
 pub const SPARSE_FROM: usize = 200;
 
-/// Up to this order exact pivoting is asked whether a nearly infeasible problem is infeasible. Not recorded.
-pub const EXACT_FEASIBILITY_UP_TO: usize = 200;
-
 /// Up to this order a Farkas vector is repaired by an exact solve with the rows that are tight. Not recorded.
-pub const REPAIR_UP_TO: usize = 400;
+pub const REPAIR_UP_TO: usize = 100;
 
 /// Up to this order a path in double-doubles is worth its 20-fold cost. Not recorded.
 pub const DOUBLE_DOUBLE_UP_TO: usize = 400;

@@ -33,6 +33,12 @@ impl Status {
         Self::NumericalBreakdown,
     ];
 
+    /// Whether it says something about the problem, and not only how a method stopped.
+    #[must_use]
+    pub fn is_answer(self) -> bool {
+        matches!(self, Self::Solved | Self::Infeasible | Self::NearlyInfeasible)
+    }
+
     /// The name used in Python and on the command line.
     #[must_use]
     pub fn as_str(self) -> &'static str {

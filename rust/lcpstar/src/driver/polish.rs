@@ -51,5 +51,5 @@ const NEAR: f64 = 1e-10;
 
 /// Whether only single rows stand between the point and a solution.
 pub(super) fn is_near(solution: &Solution, tol: f64) -> bool {
-    !matches!(solution.status(), Status::Solved | Status::Infeasible) && solution.residual <= tol.min(NEAR)
+    !solution.status().is_answer() && solution.residual <= tol.min(NEAR)
 }

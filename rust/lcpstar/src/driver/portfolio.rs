@@ -5,11 +5,11 @@
 
 use super::settings::{Certify, DEFAULT_RESTARTS, Settings};
 use super::start::support;
-use super::{interior_point as congruent, polish, prove};
+use super::{interior_point as congruent, polish};
 use crate::control::Control;
 use crate::cutovers::{
-    BLOCK_PIVOTING_FROM, DOUBLE_DOUBLE_UP_TO, ENUMERATE_UP_TO, EXACT_FEASIBILITY_UP_TO, FINISH_IN_DOUBLE_DOUBLE_UP_TO,
-    SHIFT_ABOVE, WARM_PATH_FIRST_UP_TO,
+    BLOCK_PIVOTING_FROM, DOUBLE_DOUBLE_UP_TO, ENUMERATE_UP_TO, FINISH_IN_DOUBLE_DOUBLE_UP_TO, SHIFT_ABOVE,
+    WARM_PATH_FIRST_UP_TO,
 };
 use crate::equilibrate::Equilibrated;
 use crate::judge::judge;
@@ -32,13 +32,11 @@ struct Portfolio<'a> {
     iterations: usize,
     members: usize,
     best: Option<Solution>,
-    /// Exact pivoting was asked whether FEA(q, A) is empty.
-    asked_exactly: bool,
 }
 
 impl<'a> Portfolio<'a> {
     fn new(problem: &'a Equilibrated<'a>, tol: f64, control: &Control<'a>) -> Self {
-        Self { problem, tol, control: *control, iterations: 0, members: 0, best: None, asked_exactly: false }
+        Self { problem, tol, control: *control, iterations: 0, members: 0, best: None }
     }
 
     /// Runs one member with what is left of the caller's limits. `true` when its answer is final.
@@ -51,17 +49,10 @@ impl<'a> Portfolio<'a> {
         if let Some(polished) = polish::polished(self.problem, &solution, self.tol, &self.control) {
             solution = polished;
         }
-        if solution.status() == Status::NearlyInfeasible
-            && self.problem.original.n() <= EXACT_FEASIBILITY_UP_TO
-            && !std::mem::replace(&mut self.asked_exactly, true)
-            && let Some(farkas) = prove::exact_farkas(self.problem.original, &self.control)
-        {
-            solution = prove::infeasible(solution, farkas);
-        }
         self.iterations += solution.iterations;
         self.members += 1;
         solution.iterations = self.iterations;
-        let is_final = matches!(solution.status(), Status::Solved | Status::Infeasible);
+        let is_final = solution.status().is_answer();
         if is_final || self.best.as_ref().is_none_or(|best| rank(&solution) < rank(best)) {
             self.best = Some(solution);
         }
@@ -71,7 +62,7 @@ impl<'a> Portfolio<'a> {
     fn finish(self) -> Solution {
         let mut solution = self.best.expect("invariant: every portfolio runs its first member");
         solution.iterations = self.iterations;
-        if self.members > 1 && !matches!(solution.status(), Status::Solved | Status::Infeasible) {
+        if self.members > 1 && !solution.status().is_answer() {
             solution.message = format!("{} ({} attempts)", solution.message, self.members);
         }
         solution
@@ -123,7 +114,7 @@ pub(super) fn finished_by_pivots(
     settings: &Settings,
     control: &Control<'_>,
 ) -> Solution {
-    let is_finished = solution.status() == Status::Infeasible
+    let is_finished = matches!(solution.status(), Status::Infeasible | Status::NearlyInfeasible)
         || (solution.status() == Status::Solved && solution.residual <= FINISHED)
         || solution.residual > NEARLY;
     if is_finished || control.max_iterations.is_some() {
