@@ -86,12 +86,13 @@ class Rust:
     """All crates."""
 
     def __init__(self) -> None:
-        self.crates = {
-            toml.parent.name.replace("-", "_"): RustFile(root, None)
-            for toml in sorted([*ROOT.glob("rust/*/Cargo.toml"), ROOT / "fuzz" / "Cargo.toml"])
-            for root in (toml.parent / "src" / "lib.rs", toml.parent / "src" / "main.rs")
-            if root.exists()
-        }
+        self.roots: list[RustFile] = []
+        self.crates: dict[str, RustFile] = {}
+        for toml in [*ROOT.glob("rust/*/Cargo.toml"), ROOT / "fuzz" / "Cargo.toml"]:
+            name = toml.read_text(encoding="utf-8").split('name = "')[1].split('"')[0].replace("-", "_")
+            library, binary = (toml.parent / "src" / file for file in ("lib.rs", "main.rs"))
+            self.roots += [RustFile(root, None) for root in (binary, library) if root.exists()]
+            self.crates[name] = self.roots[-1]
 
     def named(self, file: RustFile, path: list[str], seen: frozenset[int] = frozenset()) -> set[RustFile | Path]:
         """What a path may name: a module (RustFile), or the file of an item (Path)."""
@@ -115,7 +116,7 @@ class Rust:
 
     def graph(self) -> Graph:
         graph: Graph = {}
-        for crate in self.crates.values():
+        for crate in self.roots:
             for file in crate.all():
                 words = set(re.findall(r"\w+", file.body))
                 paths = [path for path, alias, public in file.uses if not public or alias in words]

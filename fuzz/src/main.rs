@@ -5,7 +5,6 @@
 
 mod calls;
 mod classes;
-mod exact;
 mod input;
 mod options;
 mod oracle;

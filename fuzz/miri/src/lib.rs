@@ -1,38 +1,19 @@
-//! `small/` compiled on its own, so that Miri need not interpret the rest. Every operation of every kind of lanes is
-//! compared with plain numbers, at every length, and small problems are solved.
+//! The kernels for small problems under Miri. Every operation of every kind of lanes is compared with plain numbers, at every
+//! length, and small problems are solved.
 
-#![allow(dead_code)]
-
-#[path = "../../../rust/lcpstar/src/error.rs"]
-mod error;
-#[path = "../../../rust/lcpstar/src/problem.rs"]
-mod problem;
-#[path = "../../../rust/lcpstar/src/scaling.rs"]
-mod scaling;
-#[path = "../../../rust/lcpstar/src/small/mod.rs"]
-mod small;
-#[path = "../../../rust/lcpstar/src/sparse.rs"]
-mod sparse;
-#[path = "."]
-mod linalg {
-    #[path = "../../../rust/lcpstar/src/linalg/dd.rs"]
-    pub mod dd;
-    #[path = "../../../rust/lcpstar/src/linalg/kernels.rs"]
-    pub mod kernels;
-}
 #[cfg(test)]
 mod tests {
-    use super::small::lane::{BLOCK, F64x8, Lane, Mask};
-    use super::small::{Answer, solve};
+    use lcpstar_kernels::small::lane::{BLOCK, F64x8, Lane, Mask};
+    use lcpstar_kernels::small::{Answer, solve};
 
     const X: [f64; 8] = [0.0, -1.5, 3.0, 1e300, -0.0, 5e-324, 7.25, -2.0];
     const Y: [f64; 8] = [1.0, -1.5, -3.0, 1e-300, 0.0, 2.0, 0.5, f64::INFINITY];
 
-    fn numbers<L: Lane<Number = f64>>(x: L) -> [f64; 8] {
+    fn numbers<L: Lane>(x: L) -> [f64; 8] {
         std::array::from_fn(|l| x.get(l))
     }
 
-    fn compare<L: Lane<Number = f64>>() {
+    fn compare<L: Lane>() {
         for length in 0..=8 {
             let x = L::from_slice(&X[..length]);
             assert_eq!(numbers(x), std::array::from_fn(|l| if l < length { X[l] } else { 0.0 }));
@@ -64,7 +45,7 @@ mod tests {
     }
 
     /// Rows of every length beside every number of columns, and places from the first to the last.
-    fn compare_moves<L: Lane<Number = f64>>() {
+    fn compare_moves<L: Lane>() {
         for columns in 0..=BLOCK {
             let rows: Vec<Vec<f64>> = (0..8).map(|l| (0..columns).map(|k| (10 * l + k) as f64).collect()).collect();
             let views: Vec<&[f64]> = rows.iter().map(Vec::as_slice).collect();
@@ -89,9 +70,9 @@ mod tests {
     fn moves() {
         compare_moves::<F64x8<true>>();
         #[cfg(target_feature = "avx2")]
-        compare_moves::<super::small::avx::Ymm2>();
+        compare_moves::<lcpstar_kernels::small::avx::Ymm2>();
         #[cfg(target_feature = "avx512f")]
-        compare_moves::<super::small::avx::Zmm>();
+        compare_moves::<lcpstar_kernels::small::avx::Zmm>();
     }
 
     #[test]
@@ -102,13 +83,13 @@ mod tests {
     #[test]
     #[cfg(target_feature = "avx2")]
     fn lanes_of_avx2() {
-        compare::<super::small::avx::Ymm2>();
+        compare::<lcpstar_kernels::small::avx::Ymm2>();
     }
 
     #[test]
     #[cfg(target_feature = "avx512f")]
     fn lanes_of_avx512() {
-        compare::<super::small::avx::Zmm>();
+        compare::<lcpstar_kernels::small::avx::Zmm>();
     }
 
     /// Orders on both sides of the width of a register; the kernel that the features of the machine choose.
@@ -118,7 +99,7 @@ mod tests {
             let a: Vec<f64> = (0..n * n).map(|k| if k / n.max(1) == k % n.max(1) { 4.0 } else { -0.1 }).collect();
             let q: Vec<f64> = (0..n).map(|i| if i % 2 == 0 { -1.0 } else { 2.0 }).collect();
             let (mut z, mut w) = (vec![0.0; n], vec![0.0; n]);
-            assert!(matches!(solve(&a, &q, 1e-9, &mut z, &mut w), Answer::Solved(_)), "n = {n}: not solved");
+            assert!(matches!(solve(&a, &q, 1e-9, &mut z, &mut w), Answer::Solved { .. }), "n = {n}: not solved");
             for i in 0..n {
                 let w = q[i] + (0..n).map(|j| a[i * n + j] * z[j]).sum::<f64>();
                 assert!(z[i] >= 0.0 && w > -1e-12 && (z[i] * w).abs() < 1e-9);

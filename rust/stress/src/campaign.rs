@@ -1,12 +1,12 @@
 //! Who answers which problem: chunks of problems of one attack and one order, several methods each, every answer scored.
 
-use crate::attacks::{ATTACKS, Attack, Problem};
-use crate::referee::{Answer, Case, Score};
 use fastrand::Rng;
 use lcpstar::batch::{self, Alpha, Guess, Output, Problems, Source};
 use lcpstar::driver::{self, Certify, Method};
 use lcpstar::methods::enumerate;
 use lcpstar::{Control, Lcp, Status};
+use lcpstar_stress::attacks::{ATTACKS, Attack, Problem};
+use lcpstar_stress::referee::{Answer, Case, Score};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
@@ -257,7 +257,7 @@ fn infeasible_in_batch(case: &Case<'_>, alone: &Option<Score>) -> Score {
     if case.refuted.get().is_some() {
         return Score::Right;
     }
-    match case.problem.n <= crate::referee::ENUMERATED {
+    match case.problem.n <= lcpstar_stress::referee::ENUMERATED {
         true if case.is_solvable() => Score::Wrong("infeasible, but an exact solution exists".into()),
         true => Score::Right,
         false => Score::No,

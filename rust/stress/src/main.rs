@@ -1,15 +1,11 @@
 //! `lcpstar-stress`: a campaign that tries to make lcpstar lie. Problems from every corner of the range of doubles go to
 //! every method; an exact referee that shares no code with the solver scores each answer.
 
-mod attacks;
 mod campaign;
-mod exact;
-mod referee;
 mod report;
-mod solvable;
 
-use attacks::ATTACKS;
 use campaign::{CHUNK, CURRENT, Plan, Tally, ways};
+use lcpstar_stress::attacks::ATTACKS;
 use lexopt::prelude::*;
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};

@@ -265,11 +265,29 @@ impl<'a> Case<'a> {
         match &answer.certificate {
             Some(Certificate::Solution { exact: Some(z), .. }) => self.exact_solution(z),
             Some(Certificate::Infeasible { y }) => self.exact_farkas(y),
+            Some(Certificate::NotSufficient(found)) => self.exact_refutation(&found.x, found.transposed),
             _ => Ok(()),
         }
     }
 
-    fn exact_solution(&self, z: &RationalVec) -> Result<(), String> {
+    /// A or A' is not column sufficient: `x_i (A x)_i <= 0` for all i, and not always 0.
+    fn exact_refutation(&self, x: &RationalVec, transposed: bool) -> Result<(), String> {
+        let n = self.problem.n;
+        let entry = |i: usize, j: usize| self.problem.a[if transposed { j * n + i } else { i * n + j }];
+        let product = |i: usize| {
+            let terms: Vec<(f64, &BigInt)> = (0..n).map(|j| (entry(i, j), &x.numerators[j])).collect();
+            sign(&integer_form(terms.into_iter())) * sign(&x.numerators[i])
+        };
+        let signs: Vec<_> = (0..n).map(product).collect();
+        let refutes = signs.iter().all(|s| *s <= 0) && signs.iter().any(|s| *s < 0);
+        if refutes { Ok(()) } else { Err("the vector does not refute sufficiency".into()) }
+    }
+
+    /// Whether z solves the problem exactly.
+    ///
+    /// # Errors
+    /// The first pair that does not.
+    pub fn exact_solution(&self, z: &RationalVec) -> Result<(), String> {
         for i in 0..self.problem.n {
             let terms = self.problem.row(i).iter().copied().zip(&z.numerators);
             let w = sign(&integer_form(terms.chain(once((self.problem.q[i], &z.denominator)))));

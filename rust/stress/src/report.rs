@@ -1,7 +1,7 @@
 //! The tables, written by the tool: right, honest "no" and wrong, per attack and per method.
 
-use crate::attacks::ATTACKS;
 use crate::campaign::{Count, Tally, ways};
+use lcpstar_stress::attacks::ATTACKS;
 use std::fmt::Write;
 
 fn share(part: u64, whole: u64) -> String {
@@ -79,7 +79,7 @@ pub fn tables(tally: &Tally) -> String {
 
 /// How many problems of order <= 4 `auto` left without an answer though an exact solution exists, per attack.
 pub fn missed(tally: &Tally) -> String {
-    let line = |(a, attack): (usize, &crate::attacks::Attack)| {
+    let line = |(a, attack): (usize, &lcpstar_stress::attacks::Attack)| {
         let missed = tally.counts[a][crate::campaign::AUTO].missed;
         (missed > 0).then(|| format!("{} {missed}", attack.name))
     };
