@@ -53,3 +53,11 @@ def test_bindings_have_no_arithmetic_of_their_own():
         inner = ("linalg", "small", "pivoting::basis", "presolve", "judge", "verdict::", "residual::", "scaling")
         assert not [room for room in inner if f"lcpstar::{room}" in text], file
         assert not re.findall(r"\b\d+(?:\.\d+)?e-?\d+\b", text), file
+
+
+def test_no_file_is_longer_than_450_lines():
+    found = [file for folder in ("rust", "python", "fuzz", "tests", "benches") for file in (ROOT / folder).rglob("*.*")]
+    own = [file for file in found if file.suffix in {".rs", ".py"} and "target" not in file.parts]
+    long = {str(file.relative_to(ROOT)) for file in own if len(file.read_text(encoding="utf-8").splitlines()) > 450}
+    assert len(own) > 300
+    assert long == set()

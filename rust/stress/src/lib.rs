@@ -2,5 +2,6 @@
 
 pub mod attacks;
 mod exact;
+pub mod problem;
 pub mod referee;
 mod solvable;

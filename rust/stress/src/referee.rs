@@ -15,8 +15,8 @@
 //! rounding of its own sums and no z >= 0 with `A z + q >= 0` has a sum below the stated bound, which is 1e10 at least in
 //! equilibrated units. A certificate that says it is exact must be exact.
 
-use crate::attacks::Problem;
 use crate::exact::{Wide, integer_form, parts, sign, wide_sum};
+use crate::problem::Problem;
 use crate::solvable;
 use lcpstar::equilibrate::Rows as _;
 use lcpstar::exact::dyadic::RationalVec;

@@ -5,8 +5,8 @@
 //! vector could be added and subtracted. So: for every S, then every T that contains S while the rank falls short, the one
 //! solution of `A_TS z = -q_T` is tried. 3^n systems at most.
 
-use crate::attacks::Problem;
 use crate::exact::{parts, sign};
+use crate::problem::Problem;
 use num_bigint::BigInt;
 use num_traits::{Signed, Zero};
 
