@@ -193,10 +193,10 @@ def test_a_right_guess_of_frictional_contacts(n):
     cold = lcpstar.solve_batch(A, q)
     warm = lcpstar.solve_batch(A, q, z0=cold.z)
     assert_solved(A, q, warm)
-    assert ((warm.method == "newton") & (warm.iterations <= 1)).mean() > 0.99
+    assert ((warm.method == "newton") & (warm.iterations <= 1)).mean() > 0.97
     warm = lcpstar.solve_batch(A, q, alpha0=cold.alpha)
     assert_solved(A, q, warm)
-    assert ((warm.method == "newton") & (warm.iterations == 1)).mean() > 0.99
+    assert ((warm.method == "newton") & (warm.iterations == 1)).mean() > 0.97
 
 
 @pytest.mark.parametrize("n", [12, 18, 24, 30])
