@@ -61,3 +61,23 @@ def test_no_file_is_longer_than_450_lines():
     long = {str(file.relative_to(ROOT)) for file in own if len(file.read_text(encoding="utf-8").splitlines()) > 450}
     assert len(own) > 300
     assert long == set()
+
+
+def test_methods_import_no_other_method():
+    graph, methods = imports.Rust().graph(), ROOT / "rust" / "lcpstar" / "src" / "methods"
+
+    def method(file):
+        return file.relative_to(methods).parts[0].removesuffix(".rs")
+
+    inside = {file: [target for target in graph[file] if methods in target.parents] for file in graph}
+    pairs = {(method(file), method(target)) for file in graph if methods in file.parents for target in inside[file]}
+    assert {(a, b) for a, b in pairs if a != b} == set()
+    for file in graph:
+        text = imports.code(file.read_text(encoding="utf-8"))
+        assert methods not in file.parents or not re.search(r"crate::(judge|verdict|driver)\b", text), file
+
+
+def test_libraries_of_linear_algebra_are_named_in_one_room():
+    for file in (ROOT / "rust").glob("*/src/**/*.rs"):
+        if re.search(r"\b(faer|nalgebra)::", imports.code(file.read_text(encoding="utf-8"))):
+            assert str(file.relative_to(ROOT / "rust")).startswith("lcpstar-linalg/src/backend")

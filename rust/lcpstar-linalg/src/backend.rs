@@ -1,4 +1,4 @@
-//! The one file that names nalgebra and faer.
+//! Factorisations by nalgebra and faer, which are named here and in the files below alone.
 //!
 //! Dense square systems: nalgebra below [`FAER_FROM`], where a factorisation costs less than faer's dispatch, faer from
 //! there on, where blocking pays. The cut-over was measured by `cargo bench -p lcpstar --bench backend`

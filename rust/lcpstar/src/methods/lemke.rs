@@ -7,6 +7,7 @@
 //! (PSD, copositive plus, row sufficient, the paper's tilde class), P0 and Q0, or Z, a ray means FEA(q, A) is empty.
 
 use crate::control::Control;
+use crate::pivoting::path_limit;
 use crate::pivoting::{Dictionary, Entering, Real, Var, basis};
 use crate::problem::Lcp;
 use crate::solution::{Candidate, Ray};
@@ -17,12 +18,6 @@ use crate::status::Termination;
 pub struct Settings {
     /// Covering vector, strictly positive; `None`: all ones.
     pub d: Option<Vec<f64>>,
-}
-
-/// Pivots allowed when the caller gives no limit: real problems need 0.3 to 3 n; worst cases need 2^n - 1.
-#[must_use]
-pub fn default_limit(n: usize) -> usize {
-    50 + 10 * n
 }
 
 /// Solves LCP(q, A) with a dictionary in the arithmetic `T`. O(n^2) a pivot.
@@ -36,7 +31,7 @@ pub fn lemke<T: Real>(lcp: &Lcp, settings: &Settings, control: &Control<'_>) -> 
     let ones = vec![1.0; n];
     let d = settings.d.as_deref().unwrap_or(&ones);
     let mut dictionary = Dictionary::<T>::delayed(lcp, d);
-    let (termination, iterations, driving) = follow_path(&mut dictionary, control, default_limit(n));
+    let (termination, iterations, driving) = follow_path(&mut dictionary, control, path_limit(n));
     let (z, z0) = dictionary.point();
     let alpha = dictionary.basic_z();
     match termination {
@@ -71,7 +66,7 @@ pub fn lemke_from<T: Real>(lcp: &Lcp, alpha: &[usize], control: &Control<'_>) ->
     let (termination, iterations, _) = if solved {
         (Termination::ComplementaryBasis, 0, None)
     } else {
-        follow_path(&mut dictionary, control, default_limit(n))
+        follow_path(&mut dictionary, control, path_limit(n))
     };
     // In the transform the pairs of `start` have traded places.
     let mut inside = vec![false; n];

@@ -4,6 +4,7 @@
 //! `C` and `D'`; every covering vector d > 0 sends Lemke's method to a ray there, so the game's own path is followed.
 
 use crate::control::Control;
+use crate::pivoting::path_limit;
 use crate::pivoting::{Dictionary, Entering, Var, basis};
 use crate::problem::Lcp;
 use crate::solution::Candidate;
@@ -48,7 +49,7 @@ pub fn lemke_howson(lcp: &Lcp, settings: &Settings, control: &Control<'_>) -> Ca
     let mut driving = Var::Z(label);
     let mut iterations = 0;
     let termination = loop {
-        if let Some(reason) = control.stop(iterations, super::lemke::default_limit(n)) {
+        if let Some(reason) = control.stop(iterations, path_limit(n)) {
             break reason;
         }
         let column = |player: &Dictionary<f64>| player.column_of(driving);

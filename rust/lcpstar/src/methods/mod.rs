@@ -1,5 +1,5 @@
 //! One file per method. A method takes a problem, its settings and a [`Control`](crate::Control), and returns a
-//! [`Candidate`](crate::Candidate): it never imports another method and never judges its own answer.
+//! [`Candidate`](crate::Candidate). It does not judge its own answer and imports no other method.
 
 pub mod admm;
 pub mod apgd;
