@@ -15,15 +15,15 @@ ROOT = Path(__file__).resolve().parent.parent
 UNITS = {"ps": 1e-12, "ns": 1e-9, "µs": 1e-6, "ms": 1e-3, "s": 1.0}
 
 
-def output(*command: str, cwd: Path = ROOT) -> str:
-    environment = os.environ | {"CARGO_TARGET_DIR": str(ROOT / "target")}
+def output(*command: str, cwd: Path = ROOT, target: Path = ROOT / "target") -> str:
+    environment = os.environ | {"CARGO_TARGET_DIR": str(target)}
     return subprocess.run(command, cwd=cwd, env=environment, check=True, text=True, stdout=subprocess.PIPE).stdout
 
 
-def build(tree: Path) -> str:
-    """The program that measures that tree."""
+def build(tree: Path, target: Path) -> str:
+    """The program that measures that tree. Two trees need two targets: the files that they build have the same names."""
     command = ("cargo", "bench", "-p", "lcpstar", "--bench", "core", "--no-run", "--message-format=json")
-    messages = [json.loads(line) for line in output(*command, cwd=tree).splitlines()]
+    messages = [json.loads(line) for line in output(*command, cwd=tree, target=target).splitlines()]
     return next(m["executable"] for m in messages if m.get("executable"))
 
 
@@ -67,12 +67,12 @@ def main() -> None:
     parser.add_argument("--against", metavar="COMMIT", help="print ratios to that commit, write nothing")
     parser.add_argument("--rounds", type=int, default=3, help="runs of each, in turns")
     given = parser.parse_args()
-    here = build(ROOT)
+    here = build(ROOT, ROOT / "target")
     if given.against:
         tree = ROOT / "target" / "against"
         output("git", "worktree", "add", "--force", "--detach", str(tree), given.against)
         try:
-            other, this = in_turns([build(tree), here], given.names, given.rounds)
+            other, this = in_turns([build(tree, ROOT / "target" / "against-build"), here], given.names, given.rounds)
         finally:
             output("git", "worktree", "remove", "--force", str(tree))
         print(f"| benchmark | {given.against} | here | faster by |\n| --- | --- | --- | --- |")
