@@ -7,7 +7,7 @@ use crate::show::show;
 use lcpstar::batch::{Alpha, Guess, Numbers, Output, Problems, Source, solve_batch};
 use lcpstar::driver::{self, Certify, Method, Settings};
 use lcpstar::{Certificate, Control, Lcp, LcpError, SparseLcp, Status};
-use lcpstar_stress::referee::Answer;
+use lcpstar_referee::Answer;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 use std::time::{Duration, Instant};
 

@@ -1,7 +1,7 @@
 //! Bytes become problems and options. Few bytes make a structured problem, so that the fuzzer reaches all sizes, classes
 //! and scales by small steps; a spent input reads as zeros.
 
-pub use lcpstar_stress::problem::Problem;
+pub use lcpstar_referee::Problem;
 use std::sync::LazyLock;
 
 /// A cursor over the fuzzer's bytes.

@@ -3,7 +3,7 @@
 use crate::input::Problem;
 use lcpstar::exact::dyadic::RationalVec;
 use lcpstar::{Certificate, Solution, Status};
-use lcpstar_stress::referee::{Answer, Case, Score};
+use lcpstar_referee::{Answer, Case, Score};
 
 /// The limits a call was given.
 pub struct Limits {

@@ -1,34 +1,14 @@
 //! Who answers which problem: chunks of problems of one attack and one order, several methods each, every answer scored.
 
+use crate::asking::{AUTO, Outcome, RIGHT_Z0, WRONG_Z0, alone, batches, is_batch, solve, ways};
 use fastrand::Rng;
-use lcpstar::batch::{self, Alpha, Guess, Output, Problems, Source};
-use lcpstar::driver::{self, Certify, Method};
-use lcpstar::methods::enumerate;
-use lcpstar::{Control, Lcp, Status};
-use lcpstar_stress::attacks::{ATTACKS, Attack};
-use lcpstar_stress::problem::Problem;
-use lcpstar_stress::referee::{Answer, Case, Score};
-use std::panic::{AssertUnwindSafe, catch_unwind};
+use lcpstar::Status;
+use lcpstar_referee::{ATTACKS, Attack, Case, Problem, Score, referee::ENUMERATED};
 use std::sync::Mutex;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 /// Problems of a chunk: more than the widest registers hold, so that batches use their lanes.
 pub const CHUNK: usize = 32;
-
-/// Ways to ask beside the methods by name: defaults, as a batch, as a batch and alone from a wrong guess, with a proof.
-pub const AUTO: usize = 0;
-const BATCH: usize = 1;
-const BATCH_GUESS: usize = 2;
-const WRONG_Z0: usize = 3;
-const EXACT: usize = 4;
-const NAMED: usize = 5;
-
-/// Names of all ways to ask.
-pub fn ways() -> Vec<&'static str> {
-    let mut ways = vec!["auto", "batch", "batch, wrong guess", "auto, wrong z0", "auto, exact"];
-    ways.extend(Method::NAMES.iter().filter(|name| **name != "auto"));
-    ways
-}
 
 /// Counts of one attack and one way.
 #[derive(Clone, Copy, Debug, Default)]
@@ -125,29 +105,28 @@ impl Plan {
         let mut tally = Tally::new();
         let n = problems[0].n;
         let guess: Vec<f64> = (0..problems.len() * n).map(|_| f64::from(u8::from(rng.bool()))).collect();
-        let in_batch = |way: usize, guess: Guess<'_>| -> Option<Vec<Answer>> {
-            let wanted = n <= 64 && self.way.is_none_or(|only| only == way);
-            wanted.then(|| solve_batch(&problems, tol, guess)).flatten()
-        };
-        let batches = [
-            (BATCH, in_batch(BATCH, Guess::None)),
-            (BATCH_GUESS, if chunk.is_multiple_of(2) { in_batch(BATCH_GUESS, Guess::Points(&guess)) } else { None }),
-        ];
+        let batches = batches(&problems, tol, chunk, self.way, &mut rng);
         for (k, problem) in problems.iter().enumerate().filter(|(k, _)| self.only.is_none_or(|only| only == *k)) {
             tally.problems[attack] += 1;
+            let place =
+                || format!("--attack {:?} --chunk {chunk} --only {k} --seed {}", ATTACKS[attack].name, self.seed);
             let mut answers: Vec<(usize, Outcome)> = vec![];
             for way in self.ways_to_ask(n, chunk, k) {
-                let z0 = (way == WRONG_Z0).then(|| guess[k * n..(k + 1) * n].to_vec());
+                let z0 = match way {
+                    WRONG_Z0 => Some(guess[k * n..(k + 1) * n].to_vec()),
+                    RIGHT_Z0 => right_guess(problem, tol),
+                    _ => None,
+                };
                 self.enter(attack, chunk, k, way);
                 answers.push((way, solve(problem, way, tol, z0)));
             }
-            for (way, batch) in &batches {
-                if let Some(batch) = batch {
-                    answers.push((*way, Outcome::Answer(batch[k].clone())));
+            for batch in &batches {
+                let answer = (batch.way, Outcome::Answer(batch.answers[k].clone()));
+                match &batch.problems {
+                    None => answers.push(answer),
+                    Some(problems) => self.score(attack, &problems[k], vec![answer], tol, &place, &mut tally),
                 }
             }
-            let place =
-                || format!("--attack {:?} --chunk {chunk} --only {k} --seed {}", ATTACKS[attack].name, self.seed);
             self.score(attack, problem, answers, tol, &place, &mut tally);
         }
         tally
@@ -163,27 +142,12 @@ impl Plan {
         }
     }
 
-    /// Always `auto`; from a wrong guess every other time; two of the named methods in turn; the proofs of few.
     fn ways_to_ask(&self, n: usize, chunk: u64, k: usize) -> Vec<usize> {
-        if let Some(way) = self.way {
-            return if way == BATCH || way == BATCH_GUESS { vec![] } else { vec![way] };
+        match self.way {
+            Some(way) if is_batch(way) => vec![],
+            Some(way) => vec![way],
+            None => alone(n, chunk as usize * 7 + k),
         }
-        let named = ways().len() - NAMED;
-        let turn = chunk as usize * 7 + k;
-        let mut asked = vec![AUTO];
-        if n >= 1000 {
-            return vec![AUTO, NAMED + turn % named];
-        }
-        if turn.is_multiple_of(2) {
-            asked.push(WRONG_Z0);
-        }
-        if turn.is_multiple_of(8) && n <= 16 {
-            asked.push(EXACT);
-        }
-        asked.push(NAMED + turn % named);
-        asked.push(NAMED + (turn + 1 + turn / named) % named);
-        asked.dedup();
-        asked
     }
 
     fn score(
@@ -215,7 +179,7 @@ impl Plan {
                 }
                 Outcome::Answer(answer) => {
                     let score = if is_batch(way) && is_refuted(answer.status) {
-                        infeasible_in_batch(&case, &infeasible)
+                        infeasible_in_batch(&case, &infeasible, tol)
                     } else {
                         case.score(&answer, tol)
                     };
@@ -246,19 +210,25 @@ fn is_refuted(status: Status) -> bool {
     matches!(status, Status::Infeasible | Status::NearlyInfeasible)
 }
 
-fn is_batch(way: usize) -> bool {
-    way == BATCH || way == BATCH_GUESS
+/// The answer itself as a guess.
+fn right_guess(problem: &Problem, tol: f64) -> Option<Vec<f64>> {
+    match solve(problem, AUTO, tol, None) {
+        Outcome::Answer(answer) if answer.z.iter().all(|z| z.is_finite() && *z >= 0.0) => Some(answer.z),
+        _ => None,
+    }
 }
 
 /// A batch hands over no certificate: its "infeasible" is scored as that of `auto`, or else by what is known to be true.
-fn infeasible_in_batch(case: &Case<'_>, alone: &Option<Score>) -> Score {
-    if let Some(score) = alone {
+fn infeasible_in_batch(case: &Case<'_>, known: &Option<Score>, tol: f64) -> Score {
+    if let Some(score) = known {
         return score.clone();
     }
-    if case.refuted.get().is_some() {
-        return Score::Right;
+    if let Outcome::Answer(answer) = solve(case.problem, AUTO, tol, None)
+        && is_refuted(answer.status)
+    {
+        return case.score(&answer, tol);
     }
-    match case.problem.n <= lcpstar_stress::referee::ENUMERATED {
+    match case.core().n <= ENUMERATED {
         true if case.is_solvable() => Score::Wrong("infeasible, but an exact solution exists".into()),
         true => Score::Right,
         false => Score::No,
@@ -284,94 +254,4 @@ fn counted(score: Score, count: &mut Count, look_closer: bool, case: &Case<'_>) 
         }
     }
     None
-}
-
-/// How a call ended.
-enum Outcome {
-    Answer(Answer),
-    Crashed(String),
-    Hung(Duration),
-    /// The method refuses problems of this size.
-    NotForIt,
-}
-
-/// Processor time of this thread, where the system tells: a machine shared with others stops a thread for minutes.
-fn processor_time() -> Option<Duration> {
-    let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
-    Some(Duration::from_nanos(text.split_whitespace().next()?.parse().ok()?))
-}
-
-/// No call may take more processor time.
-fn patience(n: usize) -> Duration {
-    Duration::from_secs(if n >= 1000 { 240 } else { 30 })
-}
-
-fn solve(problem: &Problem, way: usize, tol: f64, z0: Option<Vec<f64>>) -> Outcome {
-    let n = problem.n;
-    let names = ways();
-    let name = if way < NAMED { "auto" } else { names[way] };
-    if name == "enumerate" && n > 12.min(enumerate::MAX_ORDER) {
-        return Outcome::NotForIt;
-    }
-    let certify = if way == EXACT { Certify::Exact } else { Certify::Float };
-    let (begun, before) = (Instant::now(), processor_time());
-    let spent = || match (before, processor_time()) {
-        (Some(before), Some(now)) => now - before,
-        _ => begun.elapsed(),
-    };
-    // Small problems must end by themselves.
-    let deadline = (n > 16).then(|| begun + patience(n) / 4);
-    let control = Control { deadline, ..Control::default() };
-    let run = || {
-        let lcp = Lcp::new(n, problem.a.clone(), problem.q.clone())?;
-        let settings = driver::Settings { method: Method::from_name(name)?, tol, z0, certify };
-        driver::solve(&lcp, &settings, &control)
-    };
-    match catch_unwind(AssertUnwindSafe(run)) {
-        Err(_) => Outcome::Crashed("panic".into()),
-        Ok(Err(error)) => Outcome::Crashed(error.to_string()),
-        Ok(Ok(_)) if begun.elapsed() > patience(n) && spent() > patience(n) => Outcome::Hung(spent()),
-        Ok(Ok(solution)) => Outcome::Answer(solution.into()),
-    }
-}
-
-/// All problems in one call; `None` when it failed, which the single calls will show.
-fn solve_batch(problems: &[Problem], tol: f64, guess: Guess<'_>) -> Option<Vec<Answer>> {
-    let (count, n) = (problems.len(), problems[0].n);
-    let a: Vec<f64> = problems.iter().flat_map(|p| p.a.iter().copied()).collect();
-    let q: Vec<f64> = problems.iter().flat_map(|p| p.q.iter().copied()).collect();
-    let (mut z, mut w) = (vec![0.0; count * n], vec![0.0; count * n]);
-    let (mut status, mut method, mut iterations) = (vec![0; count], vec![0; count], vec![0; count]);
-    let (mut residual, mut natural) = (vec![0.0; count], vec![0.0; count]);
-    let mut alpha = vec![false; count * n];
-    let output = Output {
-        z: &mut z,
-        w: &mut w,
-        status: &mut status,
-        method: &mut method,
-        iterations: &mut iterations,
-        residual: &mut residual,
-        natural_residual: &mut natural,
-        alpha: Alpha::Flags(&mut alpha),
-    };
-    let given = Problems {
-        n,
-        count,
-        a: batch::Numbers::Double(&a),
-        a_source: Source::Each,
-        q: batch::Numbers::Double(&q),
-        q_source: Source::Each,
-    };
-    let settings = batch::Settings { method: &Method::Auto, tol, threads: 1, guess, interrupted: None };
-    let run = || batch::solve_batch(&given, &settings, output);
-    catch_unwind(AssertUnwindSafe(run)).ok()?.ok()?;
-    let answer = |k: usize| Answer {
-        status: Status::ALL[usize::from(status[k])],
-        z: z[k * n..(k + 1) * n].to_vec(),
-        w: w[k * n..(k + 1) * n].to_vec(),
-        residual: residual[k],
-        natural_residual: natural[k],
-        certificate: None,
-    };
-    Some((0..count).map(answer).collect())
 }

@@ -1,11 +1,13 @@
 //! `lcpstar-stress`: a campaign that tries to make lcpstar lie. Problems from every corner of the range of doubles go to
 //! every method; an exact referee that shares no code with the solver scores each answer.
 
+mod asking;
 mod campaign;
 mod report;
 
-use campaign::{CHUNK, CURRENT, Plan, Tally, ways};
-use lcpstar_stress::attacks::ATTACKS;
+use asking::ways;
+use campaign::{CHUNK, CURRENT, Plan, Tally};
+use lcpstar_referee::ATTACKS;
 use lexopt::prelude::*;
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};

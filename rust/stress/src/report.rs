@@ -1,7 +1,8 @@
 //! The tables, written by the tool: right, honest "no" and wrong, per attack and per method.
 
-use crate::campaign::{Count, Tally, ways};
-use lcpstar_stress::attacks::ATTACKS;
+use crate::asking::{AUTO, ways};
+use crate::campaign::{Count, Tally};
+use lcpstar_referee::{ATTACKS, Attack};
 use std::fmt::Write;
 
 fn share(part: u64, whole: u64) -> String {
@@ -79,8 +80,8 @@ pub fn tables(tally: &Tally) -> String {
 
 /// How many problems of order <= 4 `auto` left without an answer though an exact solution exists, per attack.
 pub fn missed(tally: &Tally) -> String {
-    let line = |(a, attack): (usize, &lcpstar_stress::attacks::Attack)| {
-        let missed = tally.counts[a][crate::campaign::AUTO].missed;
+    let line = |(a, attack): (usize, &Attack)| {
+        let missed = tally.counts[a][AUTO].missed;
         (missed > 0).then(|| format!("{} {missed}", attack.name))
     };
     let lines: Vec<String> = ATTACKS.iter().enumerate().filter_map(line).collect();

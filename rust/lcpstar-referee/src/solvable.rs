@@ -5,8 +5,8 @@
 //! vector could be added and subtracted. So: for every S, then every T that contains S while the rank falls short, the one
 //! solution of `A_TS z = -q_T` is tried. 3^n systems at most.
 
-use crate::exact::{parts, sign};
-use crate::problem::Problem;
+use crate::exact::{parts, sign, sum_of_products};
+use crate::problems::Problem;
 use num_bigint::BigInt;
 use num_traits::{Signed, Zero};
 
@@ -85,6 +85,28 @@ impl Integers {
     }
 }
 
+/// The part of the problem that decides whether it has a solution. Rows with `a_ii > sum_j |a_ij|` that the others do not refer
+/// to are left out: with R their indices, `A_RR` is a P-matrix, so w_R and z_R can be found for any z of the core.
+pub fn core(problem: &Problem) -> Problem {
+    let n = problem.n;
+    let is_dominant = |i: usize| {
+        let size = |j: usize| if i == j { problem.row(i)[j] } else { -problem.row(i)[j].abs() };
+        sum_of_products((0..n).map(|j| (size(j), 1.0))).0.is_positive()
+    };
+    let mut inside: Vec<bool> = (0..n).map(|i| !is_dominant(i)).collect();
+    let mut todo: Vec<usize> = (0..n).filter(|&i| inside[i]).collect();
+    while let Some(i) = todo.pop() {
+        for j in (0..n).filter(|&j| problem.row(i)[j] != 0.0) {
+            if !std::mem::replace(&mut inside[j], true) {
+                todo.push(j);
+            }
+        }
+    }
+    let kept: Vec<usize> = (0..n).filter(|&i| inside[i]).collect();
+    let a = kept.iter().flat_map(|&i| kept.iter().map(move |&j| problem.row(i)[j])).collect();
+    Problem { n: kept.len(), a, q: kept.iter().map(|&i| problem.q[i]).collect() }
+}
+
 /// The members of a bit set.
 fn members(set: usize) -> Vec<usize> {
     (0..usize::BITS as usize).filter(|i| set >> i & 1 == 1).collect()
@@ -142,6 +164,15 @@ mod tests {
         assert!(is_solvable(&problem(&[0.0, 1.0, 1.0, 0.0], &[-1.0, -1.0])));
         // Feasible at z = (0, 1), but then w_2 = 1.
         assert!(!is_solvable(&problem(&[0.0, 1.0, 0.0, 0.0], &[-1.0, 1.0])));
+    }
+
+    #[test]
+    fn rows_that_decide_nothing_are_left_out() {
+        // Row 1 is dominant and no other row needs z_1; row 2 is dominant, but row 0 needs z_2.
+        let p = problem(&[-1.0, 0.0, 1.0, 2.0, 4.0, -1.0, 0.5, 0.0, 2.0], &[-1.0, -5.0, 3.0]);
+        let decides = core(&p);
+        assert_eq!((decides.n, decides.a, decides.q), (2, vec![-1.0, 1.0, 0.5, 2.0], vec![-1.0, 3.0]));
+        assert_eq!(is_solvable(&p), is_solvable(&core(&p)));
     }
 
     #[test]

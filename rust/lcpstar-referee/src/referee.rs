@@ -1,28 +1,29 @@
 //! What is right, an honest "no", or wrong: every claim is recomputed in exact arithmetic on the given binary numbers.
 //!
+//! Whatever the status, the stated w and residuals are those of the stated z, to rounding.
+//!
 //! "Solved" is right when the documented contract holds exactly:
-//! * z finite and nonnegative; the stated w is A z + q to rounding; the stated residuals are not too small;
+//! * z is finite and nonnegative;
 //! * in the caller's units `|min(z, w)|_i <= 10 tol max|q| + 8 eps (|A||z| + |q|)_i` in every row;
 //! * on the equilibrated problem `max|min(z', w')| <= tol max(1, max|z'|)`, and `<= max(tol, 1e-6)`. The scaling is the
 //!   library's, since it is part of the definition, checked to be one: powers of two, every nonzero row and column with
 //!   its largest entry in [1/4, 2).
 //!
-//! It is wrong, too, when the problem has no exact solution at all (decided for n <= [`ENUMERATED`] by trying every
-//! support, for any n by another method's exact Farkas vector) unless it is nearly solvable: unless some `(A + E, q + e)`
+//! Instead of the last two an exact certificate may prove the solution that z is, each entry rounded to the nearest double.
+//! It is wrong, too, when the problem has no exact solution at all (decided where its [core](solvable::core) has order
+//! [`ENUMERATED`] at most by trying every support, for any n by another method's exact Farkas vector) unless it is nearly solvable: unless some `(A + E, q + e)`
 //! with `|E| <= omega |A|`, `|e| <= omega |q|`, entry by entry, zeros kept, `omega = sqrt(tol)`, is solved by the point exactly.
 //!
 //! "Infeasible" is right when `y >= 0`, `q'y < 0`, and `A'y <= 0` exactly. "Nearly infeasible" is right when `A'y` exceeds 0 by
 //! rounding of its own sums and no z >= 0 with `A z + q >= 0` has a sum below the stated bound, which is 1e10 at least in
 //! equilibrated units. A certificate that says it is exact must be exact.
 
-use crate::exact::{Wide, integer_form, parts, sign, wide_sum};
-use crate::problem::Problem;
+use crate::exact::{Wide, parts, wide_sum};
+use crate::problems::Problem;
 use crate::solvable;
 use lcpstar::equilibrate::Rows as _;
-use lcpstar::exact::dyadic::RationalVec;
 use lcpstar::scaling::Scaling;
 use lcpstar::{Certificate, Lcp, Solution, Status};
-use num_bigint::BigInt;
 use std::cell::OnceCell;
 use std::iter::once;
 
@@ -68,6 +69,7 @@ pub enum Score {
 pub struct Case<'a> {
     pub problem: &'a Problem,
     scaling: OnceCell<Result<Scaling, String>>,
+    core: OnceCell<Problem>,
     solvable: OnceCell<bool>,
     /// An exact Farkas vector was seen.
     pub refuted: OnceCell<()>,
@@ -82,7 +84,13 @@ struct Rows {
 
 impl<'a> Case<'a> {
     pub fn new(problem: &'a Problem) -> Self {
-        Self { problem, scaling: OnceCell::new(), solvable: OnceCell::new(), refuted: OnceCell::new() }
+        Self {
+            problem,
+            scaling: OnceCell::new(),
+            core: OnceCell::new(),
+            solvable: OnceCell::new(),
+            refuted: OnceCell::new(),
+        }
     }
 
     /// Scores `answer`, which was given for the tolerance `tol`.
@@ -94,21 +102,18 @@ impl<'a> Case<'a> {
         if let Some(x) = numbers.clone().find(|x| !x.is_finite()) {
             return Score::NotFinite(format!("{x} in the result ({})", answer.status.as_str()));
         }
-        if let Err(why) = self.exact_certificate(answer) {
+        if let Err(why) = self.certificate(answer).and_then(|()| self.numbers(answer)) {
             return Score::Wrong(why);
         }
-        match answer.status {
-            Status::Solved => match self.solved(answer, tol) {
-                Ok(true) => Score::Right,
-                Ok(false) => Score::RightNearly,
-                Err(why) => Score::Wrong(why),
-            },
-            Status::Infeasible | Status::NearlyInfeasible => match self.against(answer) {
-                Ok(true) => Score::Right,
-                Ok(false) => Score::RightNearly,
-                Err(why) => Score::Wrong(why),
-            },
-            _ => Score::No,
+        let verdict = match answer.status {
+            Status::Solved => self.solved(answer, tol),
+            Status::Infeasible | Status::NearlyInfeasible => self.against(answer),
+            _ => return Score::No,
+        };
+        match verdict {
+            Ok(true) => Score::Right,
+            Ok(false) => Score::RightNearly,
+            Err(why) => Score::Wrong(why),
         }
     }
 
@@ -129,36 +134,59 @@ impl<'a> Case<'a> {
         Rows { w, m }
     }
 
+    /// The stated w and residuals are those of z: w to the rounding of a plain sum, the residuals as far as w.
+    fn numbers(&self, answer: &Answer) -> Result<(), String> {
+        let n = self.problem.n;
+        let rows = self.rows(&answer.z);
+        let scaling = self.scaling()?;
+        let eps = Wide::new(f64::EPSILON);
+        let plain = Wide::new((n as f64 + 2.0) * f64::EPSILON / 2.0);
+        let tiny = Wide::new(16.0 * f64::MIN_POSITIVE);
+        let (mut natural, mut violation) = ([Wide::ZERO; 2], [Wide::ZERO; 2]);
+        let mut largest = Wide::ONE;
+        for i in 0..n {
+            let (z, w) = (Wide::new(answer.z[i]), rows.w[i]);
+            let room = eps.times(w.abs()).plus(plain.times(rows.m[i])).plus(tiny);
+            if !w.plus(Wide::new(answer.w[i]).neg()).abs().at_most(room) {
+                return Err(format!("row {i}: w = {:e} stated, {:e} exact", answer.w[i], w.to_f64()));
+            }
+            let (of_z, of_w) = (i64::from(scaling.q - scaling.columns[i]), i64::from(scaling.q + scaling.rows[i]));
+            let zs = z.shifted(of_z);
+            let scaled = zs.min(w.shifted(of_w)).abs();
+            natural = [natural[0].max(z.min(w).abs()), natural[1].max(room)];
+            violation = [violation[0].max(scaled), violation[1].max(room.shifted(of_w))];
+            largest = largest.max(zs.abs());
+        }
+        let residual = violation.map(|v| v.over(largest));
+        for (name, stated, [exact, room]) in
+            [("natural_residual", answer.natural_residual, natural), ("residual", answer.residual, residual)]
+        {
+            let room = room.plus(exact.times(Wide::new(1e-9))).plus(tiny);
+            if !exact.plus(Wide::new(stated).neg()).abs().at_most(room) {
+                return Err(format!("{name} = {stated:e} stated, {:e} exact", exact.to_f64()));
+            }
+        }
+        Ok(())
+    }
+
     /// `Ok(true)`: right. `Ok(false)`: right for a problem within `tol` of this one, which has no solution itself.
     fn solved(&self, answer: &Answer, tol: f64) -> Result<bool, String> {
         let n = self.problem.n;
-        let eps = Wide::new(f64::EPSILON);
-        let z: Vec<Wide> = answer.z.iter().map(|&x| Wide::new(x)).collect();
         if let Some(i) = answer.z.iter().position(|&x| x < 0.0) {
             return Err(format!("z[{i}] = {} is negative", answer.z[i]));
         }
+        if let Some(Certificate::Solution { exact: Some(exact), .. }) = &answer.certificate {
+            return crate::proofs::is_rounded(&answer.z, exact).map(|()| true);
+        }
+        let z: Vec<Wide> = answer.z.iter().map(|&x| Wide::new(x)).collect();
         let rows = self.rows(&answer.z);
         let largest_q = Wide::new(self.problem.q.iter().fold(0.0, |m: f64, x| m.max(x.abs())));
         let allowed = Wide::new(10.0).times(Wide::new(tol)).times(largest_q);
-        let mut natural = Wide::ZERO;
-        let mut largest_m = Wide::ZERO;
         for i in 0..n {
             let violation = z[i].min(rows.w[i]).abs();
-            natural = natural.max(violation);
-            largest_m = largest_m.max(rows.m[i]);
-            if !violation.at_most(allowed.plus(Wide::new(8.0).times(eps).times(rows.m[i]))) {
+            if !violation.at_most(allowed.plus(Wide::new(8.0 * f64::EPSILON).times(rows.m[i]))) {
                 return Err(format!("row {i}: |min(z, w)| = {:.3e} too large", violation.to_f64()));
             }
-            let error = rows.w[i].plus(Wide::new(answer.w[i]).neg()).abs();
-            let rounding = Wide::new(n as f64 + 8.0).times(eps).times(rows.m[i]).plus(Wide::new(f64::MIN_POSITIVE));
-            if !error.at_most(rounding) {
-                return Err(format!("row {i}: w = {:e} stated, {:e} exact", answer.w[i], rows.w[i].to_f64()));
-            }
-        }
-        let rounding = Wide::new(n as f64 + 8.0).times(eps).times(largest_m).plus(Wide::new(f64::MIN_POSITIVE));
-        if !natural.at_most(Wide::new(answer.natural_residual).plus(rounding)) {
-            let stated = answer.natural_residual;
-            return Err(format!("natural_residual {stated:e} stated, {:e} exact", natural.to_f64()));
         }
         let scaling = self.scaling()?;
         let zs: Vec<Wide> = (0..n).map(|i| z[i].shifted(i64::from(scaling.q - scaling.columns[i]))).collect();
@@ -168,9 +196,6 @@ impl<'a> Case<'a> {
         if !residual.at_most(Wide::new(tol)) || !violation.at_most(Wide::new(tol.max(1e-6))) {
             let (r, v) = (residual.to_f64(), violation.to_f64());
             return Err(format!("equilibrated residual {r:.3e}, violation {v:.3e}"));
-        }
-        if !residual.at_most(Wide::new(answer.residual * (1.0 + 1e-9) + 1e-30)) {
-            return Err(format!("residual {:e} stated, {:e} exact", answer.residual, residual.to_f64()));
         }
         self.near_solvable(answer, &rows, &zs, to_w, tol)
     }
@@ -185,14 +210,12 @@ impl<'a> Case<'a> {
     ) -> Result<bool, String> {
         let n = self.problem.n;
         let inside: Vec<bool> = (0..n).map(|i| rows.w[i].shifted(to_w(i)).cmp(zs[i]).is_lt()).collect();
-        let known = self.refuted.get().is_some() || n <= ENUMERATED;
-        if !known {
+        if self.refuted.get().is_none() && self.core().n > ENUMERATED {
             return Ok(true);
         }
-        let support: Vec<usize> = (0..n).filter(|&i| inside[i] && answer.z[i] > 0.0).collect();
-        let solvable =
-            self.refuted.get().is_none() && (solvable::support_solves(self.problem, &support) || self.is_solvable());
-        if solvable {
+        let support = || -> Vec<usize> { (0..n).filter(|&i| inside[i] && answer.z[i] > 0.0).collect() };
+        let found = || n <= ENUMERATED && solvable::support_solves(self.problem, &support());
+        if self.refuted.get().is_none() && (found() || self.is_solvable()) {
             return Ok(true);
         }
         // The point itself, or with z_i = 0 where z_i is the smaller of its pair.
@@ -209,114 +232,18 @@ impl<'a> Case<'a> {
         }
     }
 
+    /// Whether it has an exact solution; for a core of order [`ENUMERATED`] at most.
     pub fn is_solvable(&self) -> bool {
-        *self.solvable.get_or_init(|| solvable::is_solvable(self.problem))
+        *self.solvable.get_or_init(|| solvable::is_solvable(self.core()))
     }
 
-    fn against(&self, answer: &Answer) -> Result<bool, String> {
-        if answer.status == Status::Infeasible { Self::infeasible(answer) } else { self.nearly_infeasible(answer) }
-    }
-
-    /// "Infeasible" needs an exact Farkas vector, which [`Case::exact_certificate`] has checked.
-    fn infeasible(answer: &Answer) -> Result<bool, String> {
-        match &answer.certificate {
-            Some(Certificate::Infeasible { .. }) => Ok(true),
-            _ => Err("infeasible without an exact certificate".into()),
-        }
-    }
-
-    /// "Nearly infeasible" needs a bound that is rigorous and large: `0 <= y'(A z + q) <= max(A'y) sum(z) + q'y`.
-    fn nearly_infeasible(&self, answer: &Answer) -> Result<bool, String> {
-        let Some(Certificate::NearlyInfeasible { y, bound }) = &answer.certificate else {
-            return Err("nearly infeasible without its certificate".into());
-        };
-        let n = self.problem.n;
-        if y.len() != n || y.iter().any(|y| !y.is_finite() || *y < 0.0) || !bound.is_finite() {
-            return Err("y or the bound is no nonnegative number".into());
-        }
-        let qy = wide_sum(self.problem.q.iter().copied().zip(y.iter().copied()));
-        if !qy.neg().is_positive() {
-            return Err(format!("q'y = {:e} is not negative", qy.to_f64()));
-        }
-        let scaling = self.scaling()?;
-        for j in 0..n {
-            let terms = (0..n).map(|i| (self.problem.a[i * n + j], y[i]));
-            let sum = wide_sum(terms.clone());
-            if !sum.is_positive() {
-                continue;
-            }
-            let size = wide_sum(terms.map(|(a, y)| (a.abs(), y)));
-            if !sum.at_most(Wide::new(65.0 * f64::EPSILON).times(size)) {
-                return Err(format!("(A'y)_{j} = {:e} is not rounding", sum.to_f64()));
-            }
-            if !sum.times(Wide::new(*bound)).at_most(qy.neg()) {
-                return Err(format!("the bound {bound:e} is not rigorous in column {j}"));
-            }
-            let scaled = sum.shifted(i64::from(scaling.columns[j]));
-            if !scaled.times(Wide::new(0.99e10)).at_most(qy.neg().shifted(i64::from(scaling.q))) {
-                return Err(format!("(A'y)_{j} = {:e} rules out too little", sum.to_f64()));
-            }
-        }
-        Ok(true)
-    }
-
-    /// Whether a certificate that holds exact numbers is what it says.
-    fn exact_certificate(&self, answer: &Answer) -> Result<(), String> {
-        match &answer.certificate {
-            Some(Certificate::Solution { exact: Some(z), .. }) => self.exact_solution(z),
-            Some(Certificate::Infeasible { y }) => self.exact_farkas(y),
-            Some(Certificate::NotSufficient(found)) => self.exact_refutation(&found.x, found.transposed),
-            _ => Ok(()),
-        }
-    }
-
-    /// A or A' is not column sufficient: `x_i (A x)_i <= 0` for all i, and not always 0.
-    fn exact_refutation(&self, x: &RationalVec, transposed: bool) -> Result<(), String> {
-        let n = self.problem.n;
-        let entry = |i: usize, j: usize| self.problem.a[if transposed { j * n + i } else { i * n + j }];
-        let product = |i: usize| {
-            let terms: Vec<(f64, &BigInt)> = (0..n).map(|j| (entry(i, j), &x.numerators[j])).collect();
-            sign(&integer_form(terms.into_iter())) * sign(&x.numerators[i])
-        };
-        let signs: Vec<_> = (0..n).map(product).collect();
-        let refutes = signs.iter().all(|s| *s <= 0) && signs.iter().any(|s| *s < 0);
-        if refutes { Ok(()) } else { Err("the vector does not refute sufficiency".into()) }
-    }
-
-    /// Whether z solves the problem exactly.
-    ///
-    /// # Errors
-    /// The first pair that does not.
-    pub fn exact_solution(&self, z: &RationalVec) -> Result<(), String> {
-        for i in 0..self.problem.n {
-            let terms = self.problem.row(i).iter().copied().zip(&z.numerators);
-            let w = sign(&integer_form(terms.chain(once((self.problem.q[i], &z.denominator)))));
-            let z = sign(&z.numerators[i]);
-            if z < 0 || w < 0 || z * w != 0 {
-                return Err(format!("the exact solution is none: signs {z}, {w} in pair {i}"));
-            }
-        }
-        Ok(())
-    }
-
-    fn exact_farkas(&self, y: &RationalVec) -> Result<(), String> {
-        let n = self.problem.n;
-        let form = |column: &dyn Fn(usize) -> f64| {
-            let terms: Vec<(f64, &BigInt)> = (0..n).map(|i| (column(i), &y.numerators[i])).collect();
-            sign(&integer_form(terms.into_iter()))
-        };
-        let good = y.numerators.iter().all(|y| sign(y) >= 0)
-            && (0..n).all(|j| form(&|i| self.problem.a[i * n + j]) <= 0)
-            && form(&|i| self.problem.q[i]) < 0;
-        if !good {
-            return Err("the exact Farkas vector is none".into());
-        }
-        let _ = self.refuted.set(());
-        Ok(())
+    /// The part of the problem that decides whether it has a solution.
+    pub fn core(&self) -> &Problem {
+        self.core.get_or_init(|| solvable::core(self.problem))
     }
 
     /// The library's scaling, once it is seen to be an equilibration.
-    fn scaling(&self) -> Result<&Scaling, String> {
+    pub(crate) fn scaling(&self) -> Result<&Scaling, String> {
         let check = || {
             let Problem { n, a, q } = self.problem.clone();
             let lcp = Lcp::new(n, a, q).map_err(|e| e.to_string())?;
@@ -357,6 +284,7 @@ fn distance(z: &[f64], rows: &Rows) -> Wide {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use lcpstar::exact::dyadic::RationalVec;
 
     fn said(status: Status, z: &[f64], w: &[f64], residual: f64) -> Answer {
         let natural_residual = z.iter().zip(w).map(|(z, w)| z.min(*w).abs()).fold(0.0, f64::max);
