@@ -43,12 +43,15 @@ test-rust:
 test-python: build
 	$(BIN)/pytest
 
-STRESS ?= --count 100000 --large 2
-stress: ## attack every method, score the answers exactly (minutes; STRESS="--count N --seed S ...", see --help)
+STRESS ?= --count 300000 --large 2
+DOORS  ?= --count 10000
+stress: build ## attack every method and every door, score the answers exactly (half an hour; STRESS="--count N --seed S ...", DOORS="...")
 	cargo run --quiet --release -p lcpstar-stress -- $(STRESS)
+	$(PY) benches/doors.py $(DOORS)
 
-stress-record: ## the same, and write docs/stress.md and benches/record/stress.md
+stress-record: build ## the same, and write docs/stress.md and benches/record/stress.md
 	cargo run --quiet --release -p lcpstar-stress -- $(STRESS) --record .
+	$(PY) benches/doors.py $(DOORS) --record .
 
 lint: build ## formatting, clippy, ruff, mypy, stubs, Rust docs
 	cargo fmt --all --check
