@@ -38,7 +38,8 @@ def test_crates_point_one_way():
         "lcpstar-kernels": set(),
         "lcpstar": {"lcpstar-linalg", "lcpstar-exact", "lcpstar-kernels"},
         "lcpstar-py": {"lcpstar"},
-        "lcpstar-stress": {"lcpstar"},
+        "lcpstar-referee": {"lcpstar"},
+        "lcpstar-stress": {"lcpstar", "lcpstar-referee"},
     }
     for toml in (ROOT / "rust").glob("*/Cargo.toml"):
         name, needed = dependencies(toml)

@@ -12,7 +12,7 @@ from imports import ROOT
 CLAIM = r"(?:Status|Self)::(?:Solved|Infeasible|NearlyInfeasible)\b"
 # A pattern leads to its arrow by itself, by alternatives, or out of a tuple.
 ARM = re.compile(rf"{CLAIM}(?=(?:[^(){{}};,=]*|[^(){{}};=]*\))\s*(?:if\b[^{{}};]*?)?=>)")
-COMPARED = re.compile(rf"[=!]=\s*{CLAIM}|{CLAIM}\s*[=!]=|\bmatches!\([^;{{}}]*?\)(?=\s*(?:[;{{&|)]|$))")
+COMPARED = re.compile(rf"[=!]=\s*{CLAIM}|{CLAIM}\s*[=!]=|\bmatches!\([^;{{}}]*?\)(?=\s*(?:[;{{}}&|)]|$))")
 
 
 def sources(*crates):

@@ -1,9 +1,9 @@
 //! The attacks: one generator of problems per way to mislead a solver, reproducible by its seed.
 
 use crate::problems::{
-    Problem, badly_scaled, bimatrix, blocks, condition, degenerate, duplicates, embedded, ends, exponential, friction,
-    graded, hilbert, integers, integers_tens, integers_twos, large, mass_ratio, near_infeasible, q_ends, random,
-    special, tiny_angles, vandermonde, z_matrix,
+    Problem, badly_scaled, bimatrix, blocks, condition, degenerate, duplicates, ends, exponential, friction, graded,
+    hilbert, integers, integers_tens, integers_twos, large, mass_ratio, near_infeasible, normal, power_of_ten, q_ends,
+    random, special, tiny_angles, uniform, vandermonde, z_matrix,
 };
 use fastrand::Rng;
 
@@ -87,6 +87,42 @@ fn sparse(rng: &mut Rng) -> usize {
 
 fn thousand(_: &mut Rng) -> usize {
     1000
+}
+
+/// A small problem of another attack whose rows decide alone, at a random place in a band matrix with dominant rows, some of
+/// which refer to it.
+fn embedded(rng: &mut Rng, n: usize) -> Problem {
+    let size = rng.usize(1..=5);
+    // This one and the last one do not come small.
+    let attack = ATTACKS[rng.usize(0..ATTACKS.len() - 2)];
+    let mut inner = (attack.problem)(rng, size);
+    if inner.n > 5 {
+        inner = integers_twos(rng, size);
+    }
+    let mut order: Vec<usize> = (0..n).collect();
+    if rng.bool() {
+        rng.shuffle(&mut order);
+    }
+    let (core, rest) = order.split_at(inner.n);
+    let mut p = Problem { n, a: vec![0.0; n * n], q: vec![0.0; n] };
+    for (r, &i) in core.iter().enumerate() {
+        p.q[i] = inner.q[r];
+        core.iter().zip(inner.row(r)).for_each(|(&j, &a)| p.a[i * n + j] = a);
+    }
+    let decades = if rng.bool() { 0.0 } else { uniform(rng, 0.0, 8.0) };
+    let (excess, share) = (power_of_ten(rng, -6.0, 0.0), rng.f64());
+    for (r, &i) in rest.iter().enumerate() {
+        let factor = power_of_ten(rng, -decades, decades);
+        for j in [r.wrapping_sub(1), r + 1].into_iter().filter_map(|k| rest.get(k)) {
+            p.a[i * n + j] = -factor;
+        }
+        if !core.is_empty() && rng.u32(0..8) == 0 {
+            p.a[i * n + core[rng.usize(0..core.len())]] = factor * excess * 0.5;
+        }
+        p.a[i * n + i] = factor * (2.0 + excess);
+        p.q[i] = if rng.f64() < share { factor * normal(rng) } else { 0.0 };
+    }
+    p
 }
 
 #[cfg(test)]

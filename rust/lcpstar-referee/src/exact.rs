@@ -2,6 +2,7 @@
 //!
 //! Written for the referee alone: nothing here is shared with the exact arithmetic of the library it judges.
 
+use lcpstar::exact::dyadic::RationalVec;
 use num_bigint::BigInt;
 use num_traits::{Signed, ToPrimitive, Zero};
 use std::cmp::Ordering;
@@ -167,6 +168,20 @@ pub fn integer_form<'a>(terms: impl Iterator<Item = (f64, &'a BigInt)> + Clone) 
 /// -1, 0 or 1.
 pub fn sign(x: &BigInt) -> i32 {
     i32::from(x.is_positive()) - i32::from(x.is_negative())
+}
+
+/// Whether each z_i is the double nearest to the exact one: no further than half a unit in the last place.
+pub fn is_rounded(z: &[f64], exact: &RationalVec) -> Result<(), String> {
+    const LOWEST: i64 = 1075;
+    for (i, (&z, numerator)) in z.iter().zip(&exact.numerators).enumerate() {
+        let (mantissa, exponent) = parts(z);
+        let stated = (BigInt::from(mantissa) << (exponent + LOWEST)) * &exact.denominator;
+        let off = (stated - (numerator << LOWEST)).abs();
+        if off > (numerator.abs() << (LOWEST - 53)) + &exact.denominator {
+            return Err(format!("z[{i}] = {z:e} is not the proved one, rounded"));
+        }
+    }
+    Ok(())
 }
 
 #[cfg(test)]

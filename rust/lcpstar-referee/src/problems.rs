@@ -1,6 +1,5 @@
 //! The generators behind the attacks.
 
-use crate::attacks::ATTACKS;
 use fastrand::Rng;
 
 /// LCP(q, A), A row-major.
@@ -17,7 +16,7 @@ impl Problem {
     }
 }
 
-fn normal(rng: &mut Rng) -> f64 {
+pub(crate) fn normal(rng: &mut Rng) -> f64 {
     (-2.0 * (1.0 - rng.f64()).ln()).sqrt() * (std::f64::consts::TAU * rng.f64()).cos()
 }
 
@@ -25,11 +24,11 @@ fn normals(rng: &mut Rng, count: usize) -> Vec<f64> {
     (0..count).map(|_| normal(rng)).collect()
 }
 
-fn uniform(rng: &mut Rng, low: f64, high: f64) -> f64 {
+pub(crate) fn uniform(rng: &mut Rng, low: f64, high: f64) -> f64 {
     low + (high - low) * rng.f64()
 }
 
-fn power_of_ten(rng: &mut Rng, low: f64, high: f64) -> f64 {
+pub(crate) fn power_of_ten(rng: &mut Rng, low: f64, high: f64) -> f64 {
     10f64.powf(uniform(rng, low, high))
 }
 
@@ -388,42 +387,6 @@ pub(crate) fn blocks(rng: &mut Rng, n: usize) -> Problem {
     if rng.bool() {
         let mut own = rng.fork();
         p = scaled(p, move || 2f64.powi(own.i32(-20..=20)));
-    }
-    p
-}
-
-/// A small problem of another attack whose rows decide alone, at a random place in a band matrix with dominant rows, some of
-/// which refer to it.
-pub(crate) fn embedded(rng: &mut Rng, n: usize) -> Problem {
-    let size = rng.usize(1..=5);
-    // This one and the last one do not come small.
-    let attack = ATTACKS[rng.usize(0..ATTACKS.len() - 2)];
-    let mut inner = (attack.problem)(rng, size);
-    if inner.n > 5 {
-        inner = integers_twos(rng, size);
-    }
-    let mut order: Vec<usize> = (0..n).collect();
-    if rng.bool() {
-        rng.shuffle(&mut order);
-    }
-    let (core, rest) = order.split_at(inner.n);
-    let mut p = Problem { n, a: vec![0.0; n * n], q: vec![0.0; n] };
-    for (r, &i) in core.iter().enumerate() {
-        p.q[i] = inner.q[r];
-        core.iter().zip(inner.row(r)).for_each(|(&j, &a)| p.a[i * n + j] = a);
-    }
-    let decades = if rng.bool() { 0.0 } else { uniform(rng, 0.0, 8.0) };
-    let (excess, share) = (power_of_ten(rng, -6.0, 0.0), rng.f64());
-    for (r, &i) in rest.iter().enumerate() {
-        let factor = power_of_ten(rng, -decades, decades);
-        for j in [r.wrapping_sub(1), r + 1].into_iter().filter_map(|k| rest.get(k)) {
-            p.a[i * n + j] = -factor;
-        }
-        if !core.is_empty() && rng.u32(0..8) == 0 {
-            p.a[i * n + core[rng.usize(0..core.len())]] = factor * excess * 0.5;
-        }
-        p.a[i * n + i] = factor * (2.0 + excess);
-        p.q[i] = if rng.f64() < share { factor * normal(rng) } else { 0.0 };
     }
     p
 }

@@ -1,12 +1,11 @@
 //! Certificates before the referee: exact solutions, Farkas vectors, bounds, vectors against sufficiency.
 
-use crate::exact::{Wide, integer_form, parts, sign, wide_sum};
+use crate::exact::{Wide, integer_form, sign, wide_sum};
 use crate::problems::Problem;
 use crate::referee::{Answer, Case};
 use lcpstar::exact::dyadic::RationalVec;
 use lcpstar::{Certificate, Status};
 use num_bigint::BigInt;
-use num_traits::Signed;
 use std::iter::once;
 
 impl Case<'_> {
@@ -131,18 +130,4 @@ impl Case<'_> {
 
 fn fits(it_does: bool) -> Result<(), String> {
     if it_does { Ok(()) } else { Err("the certificate does not fit the status".into()) }
-}
-
-/// Whether each z_i is the double nearest to the exact one: no further than half a unit in the last place.
-pub(crate) fn is_rounded(z: &[f64], exact: &RationalVec) -> Result<(), String> {
-    const LOWEST: i64 = 1075;
-    for (i, (&z, numerator)) in z.iter().zip(&exact.numerators).enumerate() {
-        let (mantissa, exponent) = parts(z);
-        let stated = (BigInt::from(mantissa) << (exponent + LOWEST)) * &exact.denominator;
-        let off = (stated - (numerator << LOWEST)).abs();
-        if off > (numerator.abs() << (LOWEST - 53)) + &exact.denominator {
-            return Err(format!("z[{i}] = {z:e} is not the proved one, rounded"));
-        }
-    }
-    Ok(())
 }

@@ -18,7 +18,7 @@
 //! rounding of its own sums and no z >= 0 with `A z + q >= 0` has a sum below the stated bound, which is 1e10 at least in
 //! equilibrated units. A certificate that says it is exact must be exact.
 
-use crate::exact::{Wide, parts, wide_sum};
+use crate::exact::{Wide, is_rounded, parts, wide_sum};
 use crate::problems::Problem;
 use crate::solvable;
 use lcpstar::equilibrate::Rows as _;
@@ -176,7 +176,7 @@ impl<'a> Case<'a> {
             return Err(format!("z[{i}] = {} is negative", answer.z[i]));
         }
         if let Some(Certificate::Solution { exact: Some(exact), .. }) = &answer.certificate {
-            return crate::proofs::is_rounded(&answer.z, exact).map(|()| true);
+            return is_rounded(&answer.z, exact).map(|()| true);
         }
         let z: Vec<Wide> = answer.z.iter().map(|&x| Wide::new(x)).collect();
         let rows = self.rows(&answer.z);
