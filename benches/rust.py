@@ -21,7 +21,7 @@ def output(*command: str, cwd: Path = ROOT, target: Path = ROOT / "target") -> s
 
 
 def build(tree: Path, target: Path) -> str:
-    """The program that measures that tree. Two trees need two targets: the files that they build have the same names."""
+    """The program that measures that tree. Two trees need two targets: their files have the same names."""
     command = ("cargo", "bench", "-p", "lcpstar", "--bench", "core", "--no-run", "--message-format=json")
     messages = [json.loads(line) for line in output(*command, cwd=tree, target=target).splitlines()]
     return next(m["executable"] for m in messages if m.get("executable"))

@@ -119,8 +119,9 @@ def solve_batch(
     A : (..., n, n) array_like, or a list of square matrices, or a list of pairs (A, q)
     q : (..., n) array_like, or a list of vectors; None for a list of pairs
         Leading axes broadcast as in NumPy: one A with many q, many A with one q, or both. C-contiguous float64 arrays
-        and float32 arrays are not copied; a float32 stands for the double that equals it. Lists may mix orders ("ragged"), or `offsets` says where the problems of flat
-        arrays are; the results are then flat, see `BatchSolution.offsets`.
+        and float32 arrays are not copied; a float32 stands for the double that equals it. Lists may mix orders
+        ("ragged"), or `offsets` says where the problems of flat arrays are; the results are then flat, see
+        `BatchSolution.offsets`.
     method : str
         "auto": kernels for small problems (below), then what `solve` does. Any other name as in `solve`, for all.
     tol : float in (0, 1)
