@@ -17,6 +17,8 @@ from .tails import forgiven
 
 _EPS = float(np.finfo(float).eps)
 _LEAST = float(np.finfo(float).smallest_subnormal)
+#: Exponent beyond which numbers are near overflow.
+_LARGEST = 1000
 #: A solution found in floating point agrees with the exact one at its basis to this part of its largest entry.
 _SOLVE_TOL = 1e-9
 #: On the equilibrated problem, where max|q'| < 1, no huge z makes a larger violation than this a small one.
@@ -25,7 +27,10 @@ _ABSOLUTE = 1e-6
 
 @dataclass(frozen=True)
 class Point:
-    """z with `w = A z + q`, and both on the equilibrated problem; what a plain sum may be off by beside each w."""
+    """z with `w = A z + q`, and both on the equilibrated problem; what a plain sum may be off by beside each w.
+
+    The scaled vectors are in units of `2^unit`, which is 1 unless z' overflows.
+    """
 
     z: Vector
     w: Sums
@@ -33,20 +38,24 @@ class Point:
     scaled_z: Vector
     scaled_w: Vector
     scaled_off: Vector
+    unit: int
 
     @property
     def size(self) -> float:
-        """`max(1, max|z'|)`."""
-        return float(np.max(np.abs(self.scaled_z), initial=1.0))
+        """`max(1, max|z'|)`, in that unit."""
+        return float(np.max(np.abs(self.scaled_z), initial=2.0**-self.unit))
 
     @classmethod
     def of(cls, problem: Problem, z: Vector) -> Point:
         """Measured in exact arithmetic, rounded once."""
         scaling, w = problem.scaling, problem.w(z)
-        shift = scaling.rows + scaling.q
+        exponents = (np.frexp(z)[1] + scaling.q - scaling.columns)[z != 0]
+        unit = max(0, int(np.max(exponents, initial=0)) - _LARGEST)
+        shift = scaling.rows + scaling.q - unit
         # In the units of `w.value`; the second term is the last bit of a w that is rounded to a double.
         off = (problem.A.counts + 8) * _EPS * w.size + times_powers_of_two(np.full(problem.n, _LEAST), -w.exponent)
-        return cls(z, w, off, scaling.z(z), w.doubles(shift), times_powers_of_two(off, w.exponent + shift))
+        scaled_z = times_powers_of_two(z, scaling.q - scaling.columns - unit)
+        return cls(z, w, off, scaled_z, w.doubles(shift), times_powers_of_two(off, w.exponent + shift), unit)
 
 
 def check_numbers(point: Point, claim: Claim, tol: float) -> list[Check]:
@@ -88,7 +97,10 @@ def _between(name: str, limits: Vector, stated: float) -> Check:
 def check_solved(problem: Problem, point: Point, claim: Claim, tol: float) -> list[Check]:
     """The rule by which a point solves LCP(q, A): see the notes of `verify`."""
     z, w = point.z, point.w
-    violation = float(np.max(np.abs(np.minimum(point.scaled_z, point.scaled_w)), initial=0.0))
+    scaling = problem.scaling
+    scaled_w = w.doubles(scaling.rows + scaling.q)
+    violation = float(np.max(np.abs(np.minimum(scaling.z(z), scaled_w)), initial=0.0))
+    residual = float(np.max(np.abs(np.minimum(point.scaled_z, point.scaled_w)), initial=0.0)) / point.size
     # Caller's numbers, in units of max|q|.
     q = as_doubles(problem.q)
     largest = np.max(np.abs(q), initial=0.0)
@@ -100,10 +112,10 @@ def check_solved(problem: Problem, point: Point, claim: Claim, tol: float) -> li
     wrong = np.where(z > 0, np.abs(w.value), np.maximum(-w.value, 0.0))
     alone = ~(wrong <= tol**0.5 * w.size)
     if alone.any():
-        shift = w.exponent + problem.scaling.rows + problem.scaling.q
+        shift = w.exponent + scaling.rows + scaling.q
         alone &= ~forgiven(problem, times_powers_of_two(wrong, shift), times_powers_of_two(w.size, shift))
     return [
-        Check("residual <= tol", violation / point.size <= tol, f"{violation / point.size:.3g}"),
+        Check("residual <= tol", residual <= tol, f"{residual:.3g}"),
         Check("max|min(z', w')| is small itself", violation <= max(tol, _ABSOLUTE), f"{violation:.3g}"),
         Check("|min(z, w)| is small in every row", not late.size, _rows(late)),
         Check("every row holds to its own numbers", not alone.any(), _rows(np.flatnonzero(alone))),
