@@ -9,6 +9,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+import lcpstar
+
 pytest.importorskip("scipy.sparse")
 sys.path.insert(0, str(Path(__file__).parents[1] / "benches"))
 import doors
@@ -21,6 +23,53 @@ def test_no_door_gives_a_wrong_answer_and_no_forgery_is_accepted():
     refused = sum(count["refused"] for count in campaign.counts.values())
     assert campaign.problems >= 200
     assert refused >= 500
+
+
+def test_alpha_after_a_wrong_guess_is_that_of_the_point():
+    """The guess says basis {0, 1}, whose z_0 is negative; without it z solves the problem, and w_0 > 0."""
+    A, q = np.array([[0.6875, 0.03125], [0.0, 1.0625]]), np.array([1.4375, -1.375])
+    rest = np.eye(18) * 2.0
+    rest[:2, :2] = A
+    for matrix, rhs in ((A, q), (rest, np.concatenate([q, -np.ones(16)]))):
+        sol = lcpstar.solve(matrix, rhs, z0=np.ones(len(rhs)))
+        assert sol.success
+        assert 0 not in sol.alpha
+        assert lcpstar.verify(matrix, rhs, sol), lcpstar.verify(matrix, rhs, sol).failures
+
+
+RAYS_BEYOND_DOUBLES = (
+    ([[-2.3e-308, 0.0, 1e307], [-1e307, 2.3e-308, -2.3e-308], [0.0, 1e307, -1e307]], [-2.3e-308, 0.0, 2.3e-308], 1e-14),
+    (
+        [[-3e-310, 0, 0, 0], [0, -3e-310, 1e307, -3e-310], [3e-310, 1e307, 0, -3e-310], [1e307, 3e-310, 0, 0]],
+        [3e-310, 1e307, -1e307, 0],
+        1e-9,
+    ),
+)
+
+
+@pytest.mark.parametrize(("A", "q", "tol"), RAYS_BEYOND_DOUBLES)
+def test_a_ray_that_doubles_do_not_hold_is_no_status(A, q, tol):
+    sol = lcpstar.solve(A, q, tol=tol)
+    assert lcpstar.verify(A, q, sol, tol=tol), (sol, lcpstar.verify(A, q, sol, tol=tol).failures)
+
+
+def test_verify_measures_points_whose_scaled_entries_overflow():
+    """z' and w' beyond the range of doubles are still equal or not."""
+    tiny, huge = 5e-324, 1e154
+    A = np.array(
+        [
+            [tiny, -huge, huge, -tiny, huge, tiny],
+            [huge, tiny, 0, 0, 0, tiny],
+            [tiny, 0, tiny, tiny, huge, tiny],
+            [huge, tiny, tiny, huge, tiny, -huge],
+            [-tiny, 0, 0, huge, tiny, 0],
+            [tiny, -tiny, 0, huge, 0, tiny],
+        ]
+    )
+    q = np.array([0, 0, 0, tiny, -tiny, 0])
+    sol = lcpstar.solve(A, q, tol=1e-14, certify="exact")
+    assert sol.success
+    assert lcpstar.verify(A, q, sol, tol=1e-14), lcpstar.verify(A, q, sol, tol=1e-14).failures
 
 
 @pytest.mark.parametrize(

@@ -5,6 +5,7 @@
 
 mod extreme;
 mod judged;
+mod rays;
 
 use crate::equilibrate::{Equilibrated, Rows};
 use crate::exact::proof::ExactSolution;
@@ -12,9 +13,9 @@ use crate::exact::sufficiency::{self, NotSufficient};
 use crate::linalg::kernels::max_abs;
 use crate::member::Member;
 use crate::refute::{Refutation, refute};
-use crate::residual::{Passed, Row, Rule, natural_residual, off_by, slack_error};
-use crate::scaling::{are_ordinary, times_power_of_two};
-use crate::solution::{Candidate, Ray, Solution};
+use crate::residual::{ABSOLUTE, Passed, Row, Rule, natural_residual, off_by, slack_error};
+use crate::scaling::are_ordinary;
+use crate::solution::{Candidate, Solution};
 use crate::status::{Status, Termination};
 use crate::tails::Tails;
 use crate::verdict::{Aside, Certificate, Evidence, Verdict};
@@ -39,18 +40,22 @@ pub fn judge_callers<P: Rows>(
     method: Member,
     tol: f64,
 ) -> Solution {
+    let ray = candidate.ray.as_ref().and_then(|ray| rays::to_caller(&problem.scaling, ray));
+    if ray.is_none() && candidate.termination == Termination::SecondaryRay {
+        candidate.termination = Termination::Breakdown("doubles do not hold the secondary ray");
+    }
     let (judged, passed, as_given) = best_nearby(problem, z, tol);
     let (alpha, evidence) = match passed {
         Some(passed) => {
-            // The basis belongs to the point as it was given.
-            let alpha = candidate.alpha.take().filter(|_| as_given).unwrap_or_else(|| support(&judged.z));
+            // The basis belongs to the point as it was given, its negative entries but for rounding.
+            let of_point = |alpha: &Vec<usize>| as_given && vanish(problem, &judged, alpha, tol);
+            let alpha = candidate.alpha.take().filter(of_point).unwrap_or_else(|| support(&judged.z));
             (alpha.clone(), Evidence::Passed(passed, alpha))
         }
         None => (support(&judged.z), against(problem, &mut candidate)),
     };
     let verdict = Verdict::of(evidence);
     let is_ray = verdict.status() == Status::SecondaryRay;
-    let ray = candidate.ray.filter(|_| is_ray).map(|ray| ray_to_caller(problem, &ray));
     Solution {
         message: explain(problem.original, &verdict, candidate.termination, judged.residual, tol),
         z: judged.z,
@@ -61,7 +66,7 @@ pub fn judge_callers<P: Rows>(
         residual: judged.residual,
         natural_residual: judged.natural_residual,
         alpha,
-        ray: ray.filter(Ray::is_finite),
+        ray: ray.filter(|_| is_ray),
         pieces: vec![],
     }
 }
@@ -237,25 +242,22 @@ fn against<P: Rows>(problem: &Equilibrated<'_, P>, candidate: &mut Candidate) ->
     Evidence::Stopped(candidate.termination, proof.map(Aside::NotSufficient))
 }
 
+/// Whether `w'_i` is zero to rounding wherever `z_i` is, on a basis.
+fn vanish<P: Rows>(problem: &Equilibrated<'_, P>, judged: &Judged, alpha: &[usize], tol: f64) -> bool {
+    if alpha.iter().all(|&i| judged.z[i] > 0.0) {
+        return true;
+    }
+    let (z, w) = (problem.scaling.z_from_caller(&judged.z), problem.scaling.w_from_caller(&judged.w));
+    let room = tol.max(ABSOLUTE) * max_abs(&z).max(1.0);
+    alpha.iter().all(|&i| z[i] > 0.0 || w[i].abs() <= room)
+}
+
 /// The proof in the caller's units, `x = D_c x'` (`D_r x'` for A'), checked on the caller's numbers: the scaling changes
 /// no sign of `x_i (A x)_i`.
 fn insufficiency<P: Rows>(problem: &Equilibrated<'_, P>, found: &NotSufficient) -> Option<NotSufficient> {
     let exponents = if found.transposed { &problem.scaling.rows } else { &problem.scaling.columns };
     let found = NotSufficient { x: found.x.times_powers_of_two(exponents), transposed: found.transposed };
     sufficiency::check(problem.original.dense()?.as_ref().view(), &found).then_some(found)
-}
-
-fn ray_to_caller<P: Rows>(problem: &Equilibrated<'_, P>, ray: &Ray) -> Ray {
-    let scaling = &problem.scaling;
-    let s = times_power_of_two;
-    Ray {
-        z: scaling.z_to_caller(&ray.z),
-        z0: s(ray.z0, -scaling.q),
-        z_hat: scaling.direction_to_caller(&ray.z_hat),
-        z0_hat: ray.z0_hat,
-        w_hat: ray.w_hat.iter().zip(&scaling.rows).map(|(&w, &r)| s(w, -r)).collect(),
-        d: ray.d.iter().zip(&scaling.rows).map(|(&d, &r)| s(d, -r)).collect(),
-    }
 }
 
 /// One sentence: what happened and what to try next.

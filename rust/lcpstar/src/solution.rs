@@ -24,15 +24,6 @@ pub struct Ray {
     pub d: Vec<f64>,
 }
 
-impl Ray {
-    /// Whether doubles hold all its numbers.
-    #[must_use]
-    pub fn is_finite(&self) -> bool {
-        let vectors = [&self.z, &self.z_hat, &self.w_hat, &self.d];
-        vectors.into_iter().flatten().chain([&self.z0, &self.z0_hat]).all(|x| x.is_finite())
-    }
-}
-
 /// What a method found, in the units of the problem it was given. A claim until certified.
 #[derive(Clone, Debug)]
 pub struct Candidate {

@@ -208,7 +208,13 @@ fn members(n: usize, bits: u128) -> Vec<usize> {
 fn verified(lcp: &Lcp, z: Vec<f64>, basis: Option<Vec<usize>>, tol: f64) -> Option<Solution> {
     let mut w = vec![0.0; lcp.n()];
     let accepted = verify_point(lcp.a(), lcp.q(), tol, &z, &mut w)?;
-    let alpha = basis.unwrap_or_else(|| support(&z));
+    // Where a negative z_i of the basis was cut off, the point is not that of the basis.
+    let vanishes = |i: usize| {
+        let size = lcp.row(i).iter().zip(&z).map(|(a, z)| (a * z).abs()).sum::<f64>() + lcp.q()[i].abs();
+        w[i].abs() <= 64.0 * f64::EPSILON * size
+    };
+    let of_point = |alpha: &Vec<usize>| alpha.iter().all(|&i| z[i] > 0.0 || vanishes(i));
+    let alpha = basis.filter(of_point).unwrap_or_else(|| support(&z));
     Some(solved(z, w, accepted, alpha, 0))
 }
 
