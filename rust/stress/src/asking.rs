@@ -159,7 +159,8 @@ pub fn batches(problems: &[Problem], tol: f64, turn: u64, only: Option<usize>, r
     }
     let whole = |way, guess: Guess<'_>| {
         let (a, q) = flat(problems);
-        let answers = solve_batch(n, (Numbers::Double(&a), Source::Each), Numbers::Double(&q), tol, guess)?;
+        let answers =
+            solve_batch([problems.len(), n], (Numbers::Double(&a), Source::Each), Numbers::Double(&q), tol, guess)?;
         Some(Batch { way, problems: None, answers })
     };
     let wrong: Vec<f64> = (0..problems.len() * n).map(|_| f64::from(u8::from(rng.bool()))).collect();
@@ -198,7 +199,8 @@ fn in_single_precision(problems: &[Problem], tol: f64) -> Option<Batch> {
     let double = |v: &[f32]| v.iter().map(|&x| f64::from(x)).collect();
     let rounded =
         |k: usize| Problem { n, a: double(&a[k * n * n..(k + 1) * n * n]), q: double(&q[k * n..(k + 1) * n]) };
-    let answers = solve_batch(n, (Numbers::Single(&a), Source::Each), Numbers::Single(&q), tol, Guess::None)?;
+    let answers =
+        solve_batch([problems.len(), n], (Numbers::Single(&a), Source::Each), Numbers::Single(&q), tol, Guess::None)?;
     Some(Batch { way: BATCH_SINGLE, problems: Some((0..problems.len()).map(rounded).collect()), answers })
 }
 
@@ -206,23 +208,20 @@ fn in_single_precision(problems: &[Problem], tol: f64) -> Option<Batch> {
 fn with_one_matrix(problems: &[Problem], tol: f64) -> Option<Batch> {
     let (n, a) = (problems[0].n, &problems[0].a);
     let (_, q) = flat(problems);
-    let answers = solve_batch(n, (Numbers::Double(a), Source::One), Numbers::Double(&q), tol, Guess::None)?;
+    let answers =
+        solve_batch([problems.len(), n], (Numbers::Double(a), Source::One), Numbers::Double(&q), tol, Guess::None)?;
     let shared = problems.iter().map(|p| Problem { n, a: a.clone(), q: p.q.clone() }).collect();
     Some(Batch { way: BATCH_ONE_A, problems: Some(shared), answers })
 }
 
 /// All problems in one call; `None` when it failed.
 fn solve_batch(
-    n: usize,
+    [count, n]: [usize; 2],
     (a, a_source): (Numbers<'_>, Source<'_>),
     q: Numbers<'_>,
     tol: f64,
     guess: Guess<'_>,
 ) -> Option<Vec<Answer>> {
-    let count = match q {
-        Numbers::Double(q) => q.len(),
-        Numbers::Single(q) => q.len(),
-    } / n.max(1);
     let (mut z, mut w) = (vec![0.0; count * n], vec![0.0; count * n]);
     let (mut status, mut method, mut iterations) = (vec![0; count], vec![0; count], vec![0; count]);
     let (mut residual, mut natural) = (vec![0.0; count], vec![0.0; count]);
