@@ -53,7 +53,7 @@ pub fn is_batch(way: usize) -> bool {
 }
 
 /// The ways to ask about one problem alone: always `auto`; from a wrong guess every other time, from a right one every
-/// fourth; two of the named methods in turn; the proofs of few. Sparse ones above all where no dense copy is made.
+/// fourth; two of the named methods in turn; the proofs of few. Where the sparse road makes no dense copy, its methods instead.
 pub fn alone(n: usize, turn: usize) -> Vec<usize> {
     let named = NAMES.len() - NAMED;
     let sparse = |k: usize| SPARSE + k % SPARSE_METHODS.len();
@@ -70,14 +70,13 @@ pub fn alone(n: usize, turn: usize) -> Vec<usize> {
     if turn.is_multiple_of(8) && n <= 16 {
         asked.push(EXACT);
     }
-    asked.push(NAMED + turn % named);
     if n > TINY_ORDER {
         asked.extend([SPARSE, sparse(1 + turn % (SPARSE_METHODS.len() - 1)), sparse(turn / 3)]);
         if turn.is_multiple_of(8) {
             asked.push(SPARSE_EXACT);
         }
     } else {
-        asked.push(NAMED + (turn + 1 + turn / named) % named);
+        asked.extend([NAMED + turn % named, NAMED + (turn + 1 + turn / named) % named]);
         if turn % 16 == 3 {
             asked.push(sparse(turn / 16));
         }
