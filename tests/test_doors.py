@@ -14,6 +14,7 @@ import lcpstar
 pytest.importorskip("scipy.sparse")
 sys.path.insert(0, str(Path(__file__).parents[1] / "benches"))
 import doors
+import forgeries
 import referee
 
 
@@ -51,6 +52,17 @@ RAYS_BEYOND_DOUBLES = (
 def test_a_ray_that_doubles_do_not_hold_is_no_status(A, q, tol):
     sol = lcpstar.solve(A, q, tol=tol)
     assert lcpstar.verify(A, q, sol, tol=tol), (sol, lcpstar.verify(A, q, sol, tol=tol).failures)
+
+
+def test_verify_refuses_wrong_residuals_at_the_lower_end_of_the_doubles():
+    tiny = 5e-324
+    A = np.array([[0, 1, 0, tiny], [1, -tiny, tiny, 1], [tiny, tiny, 1, tiny], [0, 0, tiny, -tiny]])
+    q = np.array([tiny, tiny, tiny, 0])
+    sol = lcpstar.solve(A, q)
+    assert lcpstar.verify(A, q, sol)
+    fields = {field: getattr(sol, field) for field in forgeries.FIELDS}
+    for residual in (np.inf, 1e300, 1.0):
+        assert not lcpstar.verify(A, q, SimpleNamespace(**{**fields, "residual": residual}))
 
 
 def test_verify_measures_points_whose_scaled_entries_overflow():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
@@ -52,10 +53,11 @@ class Point:
         exponents = (np.frexp(z)[1] + scaling.q - scaling.columns)[z != 0]
         unit = max(0, int(np.max(exponents, initial=0)) - _LARGEST)
         shift = scaling.rows + scaling.q - unit
-        # In the units of `w.value`; the second term is the last bit of a w that is rounded to a double.
-        off = (problem.A.counts + 8) * _EPS * w.size + times_powers_of_two(np.full(problem.n, _LEAST), -w.exponent)
+        # In the units of `w.value`; `off` holds the last bit of a w that is rounded to a double, too.
+        plain = (problem.A.counts + 8) * _EPS * w.size
+        off = plain + times_powers_of_two(np.full(problem.n, _LEAST), -w.exponent)
         scaled_z = times_powers_of_two(z, scaling.q - scaling.columns - unit)
-        return cls(z, w, off, scaled_z, w.doubles(shift), times_powers_of_two(off, w.exponent + shift), unit)
+        return cls(z, w, off, scaled_z, w.doubles(shift), times_powers_of_two(plain, w.exponent + shift), unit)
 
 
 def check_numbers(point: Point, claim: Claim, tol: float) -> list[Check]:
@@ -91,7 +93,9 @@ def _violation(z: Vector, w: Vector, off: Vector) -> Vector:
 def _between(name: str, limits: Vector, stated: float) -> Check:
     # Scaling back and forth may round the last bits.
     low, high = float(limits[0]) * (1 - 4 * _EPS), float(limits[1]) * (1 + 4 * _EPS)
-    return Check(name, low <= stated <= high, f"stated {stated:.3g}, measured {low:.3g} to {high:.3g}")
+    return Check(
+        name, low <= stated <= high and math.isfinite(stated), f"stated {stated:.3g}, measured {low:.3g} to {high:.3g}"
+    )
 
 
 def check_solved(problem: Problem, point: Point, claim: Claim, tol: float) -> list[Check]:
