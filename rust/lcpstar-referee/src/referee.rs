@@ -20,7 +20,6 @@
 
 use crate::exact::{Wide, is_rounded, parts, wide_sum};
 use crate::problems::Problem;
-use crate::proofs::is_rounded;
 use crate::solvable;
 use lcpstar::equilibrate::Rows as _;
 use lcpstar::scaling::Scaling;
@@ -143,18 +142,22 @@ impl<'a> Case<'a> {
         let eps = Wide::new(f64::EPSILON);
         let plain = Wide::new((n as f64 + 2.0) * f64::EPSILON / 2.0);
         let tiny = Wide::new(16.0 * f64::MIN_POSITIVE);
-        let (mut natural, mut room_of_residual) = ([Wide::ZERO; 2], Wide::ZERO);
+        let (mut natural, mut violation) = ([Wide::ZERO; 2], [Wide::ZERO; 2]);
+        let mut largest = Wide::ONE;
         for i in 0..n {
             let (z, w) = (Wide::new(answer.z[i]), rows.w[i]);
             let room = eps.times(w.abs()).plus(plain.times(rows.m[i])).plus(tiny);
             if !w.plus(Wide::new(answer.w[i]).neg()).abs().at_most(room) {
                 return Err(format!("row {i}: w = {:e} stated, {:e} exact", answer.w[i], w.to_f64()));
             }
+            let (of_z, of_w) = (i64::from(scaling.q - scaling.columns[i]), i64::from(scaling.q + scaling.rows[i]));
+            let zs = z.shifted(of_z);
+            let scaled = zs.min(w.shifted(of_w)).abs();
             natural = [natural[0].max(z.min(w).abs()), natural[1].max(room)];
-            room_of_residual = room_of_residual.max(room.shifted(i64::from(scaling.q + scaling.rows[i])));
+            violation = [violation[0].max(scaled), violation[1].max(room.shifted(of_w))];
+            largest = largest.max(zs.abs());
         }
-        let (violation, largest) = self.equilibrated(&answer.z, &rows)?;
-        let residual = [violation, room_of_residual].map(|v| v.over(largest));
+        let residual = violation.map(|v| v.over(largest));
         for (name, stated, [exact, room]) in
             [("natural_residual", answer.natural_residual, natural), ("residual", answer.residual, residual)]
         {
@@ -185,35 +188,28 @@ impl<'a> Case<'a> {
                 return Err(format!("row {i}: |min(z, w)| = {:.3e} too large", violation.to_f64()));
             }
         }
-        let (violation, largest) = self.equilibrated(&answer.z, &rows)?;
-        let residual = violation.over(largest);
+        let scaling = self.scaling()?;
+        let zs: Vec<Wide> = (0..n).map(|i| z[i].shifted(i64::from(scaling.q - scaling.columns[i]))).collect();
+        let to_w = |i: usize| i64::from(scaling.q + scaling.rows[i]);
+        let violation = (0..n).map(|i| zs[i].min(rows.w[i].shifted(to_w(i))).abs()).fold(Wide::ZERO, Wide::max);
+        let residual = violation.over(zs.iter().fold(Wide::ONE, |m, z| m.max(*z)));
         if !residual.at_most(Wide::new(tol)) || !violation.at_most(Wide::new(tol.max(1e-6))) {
             let (r, v) = (residual.to_f64(), violation.to_f64());
             return Err(format!("equilibrated residual {r:.3e}, violation {v:.3e}"));
         }
-        self.near_solvable(answer, &rows, tol)
+        self.near_solvable(answer, &rows, &zs, to_w, tol)
     }
 
-    /// `max|min(z', w')|` and `max(1, max|z'|)` of the equilibrated problem.
-    fn equilibrated(&self, z: &[f64], rows: &Rows) -> Result<(Wide, Wide), String> {
-        let pairs = self.pairs(z, rows)?;
-        let violation = pairs.iter().map(|(z, w)| z.min(*w).abs()).fold(Wide::ZERO, Wide::max);
-        Ok((violation, pairs.iter().map(|(z, _)| z.abs()).fold(Wide::ONE, Wide::max)))
-    }
-
-    /// `z'` and `w'` of the equilibrated problem.
-    fn pairs(&self, z: &[f64], rows: &Rows) -> Result<Vec<(Wide, Wide)>, String> {
-        let scaling = self.scaling()?;
-        let pair = |i: usize| {
-            let (of_z, of_w) = (scaling.q - scaling.columns[i], scaling.q + scaling.rows[i]);
-            (Wide::new(z[i]).shifted(i64::from(of_z)), rows.w[i].shifted(i64::from(of_w)))
-        };
-        Ok((0..z.len()).map(pair).collect())
-    }
-
-    fn near_solvable(&self, answer: &Answer, rows: &Rows, tol: f64) -> Result<bool, String> {
+    fn near_solvable(
+        &self,
+        answer: &Answer,
+        rows: &Rows,
+        zs: &[Wide],
+        to_w: impl Fn(usize) -> i64,
+        tol: f64,
+    ) -> Result<bool, String> {
         let n = self.problem.n;
-        let inside: Vec<bool> = self.pairs(&answer.z, rows)?.iter().map(|(z, w)| w.cmp(*z).is_lt()).collect();
+        let inside: Vec<bool> = (0..n).map(|i| rows.w[i].shifted(to_w(i)).cmp(zs[i]).is_lt()).collect();
         if self.refuted.get().is_none() && self.core().n > ENUMERATED {
             return Ok(true);
         }
@@ -246,42 +242,8 @@ impl<'a> Case<'a> {
         self.core.get_or_init(|| solvable::core(self.problem))
     }
 
-    /// "Infeasible" needs an exact Farkas vector, which [`Case::certificate`] has checked, "nearly infeasible" a bound.
-    fn against(&self, answer: &Answer) -> Result<bool, String> {
-        match &answer.certificate {
-            Some(Certificate::Infeasible { .. }) if answer.status == Status::Infeasible => Ok(true),
-            Some(Certificate::NearlyInfeasible { y, bound }) if answer.status == Status::NearlyInfeasible => {
-                self.problem.nearly_refuted(self.scaling()?, y, *bound).map(|()| true)
-            }
-            _ => Err(format!("{} without its certificate", answer.status.as_str())),
-        }
-    }
-
-    /// Whether a certificate that holds exact numbers is what it says, and fits the status.
-    fn certificate(&self, answer: &Answer) -> Result<(), String> {
-        let said = answer.status;
-        match &answer.certificate {
-            Some(Certificate::Solution { exact: Some(z), .. }) => {
-                fits(matches!(said, Status::Solved | Status::NumericalBreakdown))?;
-                self.problem.exact_solution(z)
-            }
-            Some(Certificate::Infeasible { y }) => {
-                fits(said == Status::Infeasible)?;
-                self.problem.exact_farkas(y)?;
-                let _ = self.refuted.set(());
-                Ok(())
-            }
-            Some(Certificate::NearlyInfeasible { .. }) => fits(said == Status::NearlyInfeasible),
-            Some(Certificate::NotSufficient(found)) => {
-                fits(said != Status::Solved)?;
-                self.problem.not_sufficient(&found.x, found.transposed)
-            }
-            _ => Ok(()),
-        }
-    }
-
     /// The library's scaling, once it is seen to be an equilibration.
-    fn scaling(&self) -> Result<&Scaling, String> {
+    pub(crate) fn scaling(&self) -> Result<&Scaling, String> {
         let check = || {
             let Problem { n, a, q } = self.problem.clone();
             let lcp = Lcp::new(n, a, q).map_err(|e| e.to_string())?;
@@ -308,10 +270,6 @@ impl<'a> Case<'a> {
     }
 }
 
-fn fits(it_does: bool) -> Result<(), String> {
-    if it_does { Ok(()) } else { Err("the certificate does not fit the status".into()) }
-}
-
 /// The least omega such that `|E| <= omega |A|`, `|e| <= omega |q|` and z solves LCP(q + e, A + E) exactly: row by row
 /// `|w_i|` (where `z_i > 0`) or `max(-w_i, 0)` over `(|A||z| + |q|)_i`. [Oettli and Prager]
 fn distance(z: &[f64], rows: &Rows) -> Wide {
@@ -328,13 +286,8 @@ mod tests {
     use super::*;
     use lcpstar::exact::dyadic::RationalVec;
 
-    /// With the true residual.
-    fn said(problem: &Problem, status: Status, z: &[f64], w: &[f64]) -> Answer {
+    fn said(status: Status, z: &[f64], w: &[f64], residual: f64) -> Answer {
         let natural_residual = z.iter().zip(w).map(|(z, w)| z.min(*w).abs()).fold(0.0, f64::max);
-        let case = Case::new(problem);
-        let finite: Vec<f64> = z.iter().map(|z| if z.is_finite() { *z } else { 0.0 }).collect();
-        let measured = case.equilibrated(&finite, &case.rows(&finite));
-        let residual = measured.map_or(f64::NAN, |(violation, largest)| violation.over(largest).to_f64());
         Answer { status, z: z.to_vec(), w: w.to_vec(), residual, natural_residual, certificate: None }
     }
 
@@ -342,29 +295,28 @@ mod tests {
     fn a_liar_is_caught() {
         let problem = Problem { n: 1, a: vec![2.0], q: vec![-1.0] };
         let case = Case::new(&problem);
-        let score = |z: f64, w: f64| case.score(&said(&problem, Status::Solved, &[z], &[w]), 1e-9);
+        let score = |z: f64, w: f64| case.score(&said(Status::Solved, &[z], &[w], 1e-12), 1e-9);
         assert_eq!(score(0.5, 0.0), Score::Right);
         assert!(matches!(score(0.5 + 1e-6, 2e-6), Score::Wrong(_)));
         assert!(matches!(score(0.5, 0.1), Score::Wrong(_)));
         assert!(matches!(score(-0.5, 0.0), Score::Wrong(_)));
         assert!(matches!(score(f64::NAN, 0.0), Score::NotFinite(_)));
-        assert_eq!(case.score(&said(&problem, Status::SecondaryRay, &[0.0], &[-1.0]), 1e-9), Score::No);
-        let late = Answer { residual: 1e-12, ..said(&problem, Status::MaxIterations, &[0.0], &[-1.0]) };
-        assert!(matches!(case.score(&late, 1e-9), Score::Wrong(_)));
+        assert_eq!(case.score(&said(Status::SecondaryRay, &[0.0], &[-1.0], 1.0), 1e-9), Score::No);
     }
 
     #[test]
     fn nearly_solvable_is_told_from_not_solvable() {
         // w = -1e-12 with z = 0 and nothing to push it: no solution; w = 0 would do.
         let unsolvable = Problem { n: 2, a: vec![1.0, 0.0, -1.0, 0.0], q: vec![-1.0, 1.0 - 1e-12] };
-        let score = |problem: &Problem, tol| {
-            Case::new(problem).score(&said(problem, Status::Solved, &[1.0, 0.0], &[0.0, -1e-12]), tol)
-        };
-        assert_eq!(score(&unsolvable, 1e-9), Score::RightNearly);
-        assert!(matches!(score(&unsolvable, 1e-26), Score::Wrong(_)));
+        let answer = |tol| Case::new(&unsolvable).score(&said(Status::Solved, &[1.0, 0.0], &[0.0, -1e-12], 1e-11), tol);
+        assert_eq!(answer(1e-9), Score::RightNearly);
+        assert!(matches!(answer(1e-26), Score::Wrong(_)));
         // The same with a row so small that only its own numbers show the error.
         let hidden = Problem { n: 2, a: vec![1.0, 1.0, -1e-12, 0.0], q: vec![-1.0, 0.0] };
-        assert!(matches!(score(&hidden, 1e-9), Score::Wrong(_)));
+        assert!(matches!(
+            Case::new(&hidden).score(&said(Status::Solved, &[1.0, 0.0], &[0.0, -1e-12], 1e-11), 1e-9),
+            Score::Wrong(_)
+        ));
     }
 
     #[test]
@@ -372,7 +324,7 @@ mod tests {
         let problem = Problem { n: 2, a: vec![1.0, -1.0, -1.0, 1.0], q: vec![-1.0, -1.0] };
         let score = |y: [f64; 2]| {
             let certificate = Some(Certificate::Infeasible { y: RationalVec::from_f64(&y) });
-            let answer = Answer { certificate, ..said(&problem, Status::Infeasible, &[0.0; 2], &[-1.0; 2]) };
+            let answer = Answer { certificate, ..said(Status::Infeasible, &[0.0; 2], &[-1.0; 2], 1.0) };
             Case::new(&problem).score(&answer, 1e-9)
         };
         assert_eq!(score([1.0, 1.0]), Score::Right);
