@@ -21,7 +21,15 @@ from lcpstar import LCPError
 
 DIRECT = ["lemke", "principal_pivoting", "block_pivoting", "enumerate", "bilinear", "interior_point", "lemke_howson"]
 METHODS = ["auto", *DIRECT, "chandrasekaran", "potential_reduction"]
-STATUSES = {"solved", "infeasible", "secondary_ray", "max_iterations", "time_limit", "numerical_breakdown"}
+STATUSES = {
+    "solved",
+    "infeasible",
+    "nearly_infeasible",
+    "secondary_ray",
+    "max_iterations",
+    "time_limit",
+    "numerical_breakdown",
+}
 
 
 def examples(count):

@@ -41,7 +41,7 @@ pub const LEMKE_ALONE_UP_TO: usize = 192;
 pub const SPARSE_FROM: usize = 200;
 
 /// Up to this order a Farkas vector is repaired by an exact solve with the rows that are tight. Not recorded.
-pub const REPAIR_UP_TO: usize = 24;
+pub const REPAIR_UP_TO: usize = 64;
 
 /// Up to this order a path in double-doubles is worth its 20-fold cost. Not recorded.
 pub const DOUBLE_DOUBLE_UP_TO: usize = 400;
