@@ -11,7 +11,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 export OPENBLAS_NUM_THREADS ?= 1
 export OMP_NUM_THREADS ?= 1
 
-RUST_SOURCES := $(shell find rust -name '*.rs') Cargo.toml Cargo.lock rust/lcpstar/Cargo.toml rust/lcpstar-py/Cargo.toml
+RUST_SOURCES := $(shell find rust -name '*.rs' -o -name Cargo.toml -o -name README.md) Cargo.toml Cargo.lock
 
 .PHONY: help demo build test test-rust test-python lint fmt bench bench-deps bench-rust bench-tradeoff corpus stress stress-record fuzz miri soak \
 	coverage wheel docs all clean
