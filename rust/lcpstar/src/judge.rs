@@ -392,11 +392,11 @@ mod tests {
             assert_eq!(without_tails(&sparse, again, 1e-9).is_solved(), found);
             found
         };
-        let dominant = [1.0, -0.5, -0.5, 1.0];
-        // z_2 of 1e-16 beside 1 may be cut off where its row says so; not where q_2 does, nor where A need not have a solution.
-        assert!(solved(dominant, [-1.0, 0.5 - 1e-16], [1.0, 0.0]));
+        let dominant = [1.0, -0.5, -1e-17, 1.0];
+        // z_2 of 1e-17 beside 1 may be cut off where its row says so; not where q_2 does, nor where A need not have a solution.
+        assert!(solved(dominant, [-1.0, 0.0], [1.0, 0.0]));
         assert!(!solved(dominant, [1.0, -1e-16], [0.0, 0.0]));
-        assert!(!solved([1.0, 0.0, -1e-16, 0.0], [-1.0, 0.0], [1.0, 0.0]));
+        assert!(!solved([1.0, 0.0, -1e-17, 0.0], [-1.0, 0.0], [1.0, 0.0]));
     }
 
     #[test]
