@@ -295,20 +295,23 @@ mod tests {
     fn a_liar_is_caught() {
         let problem = Problem { n: 1, a: vec![2.0], q: vec![-1.0] };
         let case = Case::new(&problem);
-        let score = |z: f64, w: f64| case.score(&said(Status::Solved, &[z], &[w], 1e-12), 1e-9);
+        let score = |z: f64, w: f64| case.score(&said(Status::Solved, &[z], &[w], 0.0), 1e-9);
         assert_eq!(score(0.5, 0.0), Score::Right);
         assert!(matches!(score(0.5 + 1e-6, 2e-6), Score::Wrong(_)));
         assert!(matches!(score(0.5, 0.1), Score::Wrong(_)));
         assert!(matches!(score(-0.5, 0.0), Score::Wrong(_)));
         assert!(matches!(score(f64::NAN, 0.0), Score::NotFinite(_)));
-        assert_eq!(case.score(&said(Status::SecondaryRay, &[0.0], &[-1.0], 1.0), 1e-9), Score::No);
+        assert_eq!(case.score(&said(Status::SecondaryRay, &[0.0], &[-1.0], 0.5), 1e-9), Score::No);
+        assert!(matches!(case.score(&said(Status::SecondaryRay, &[0.0], &[-1.0], 1.0), 1e-9), Score::Wrong(_)));
     }
 
     #[test]
     fn nearly_solvable_is_told_from_not_solvable() {
         // w = -1e-12 with z = 0 and nothing to push it: no solution; w = 0 would do.
         let unsolvable = Problem { n: 2, a: vec![1.0, 0.0, -1.0, 0.0], q: vec![-1.0, 1.0 - 1e-12] };
-        let answer = |tol| Case::new(&unsolvable).score(&said(Status::Solved, &[1.0, 0.0], &[0.0, -1e-12], 1e-11), tol);
+        let residual = 0.5 * (1.0 - (1.0 - 1e-12));
+        let said_of = said(Status::Solved, &[1.0, 0.0], &[0.0, -1e-12], residual);
+        let answer = |tol| Case::new(&unsolvable).score(&said_of, tol);
         assert_eq!(answer(1e-9), Score::RightNearly);
         assert!(matches!(answer(1e-26), Score::Wrong(_)));
         // The same with a row so small that only its own numbers show the error.
@@ -324,7 +327,7 @@ mod tests {
         let problem = Problem { n: 2, a: vec![1.0, -1.0, -1.0, 1.0], q: vec![-1.0, -1.0] };
         let score = |y: [f64; 2]| {
             let certificate = Some(Certificate::Infeasible { y: RationalVec::from_f64(&y) });
-            let answer = Answer { certificate, ..said(Status::Infeasible, &[0.0; 2], &[-1.0; 2], 1.0) };
+            let answer = Answer { certificate, ..said(Status::Infeasible, &[0.0; 2], &[-1.0; 2], 0.5) };
             Case::new(&problem).score(&answer, 1e-9)
         };
         assert_eq!(score([1.0, 1.0]), Score::Right);
