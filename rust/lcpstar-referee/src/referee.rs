@@ -10,7 +10,7 @@
 //!   its largest entry in [1/4, 2).
 //!
 //! Instead of the last two an exact certificate may prove the solution that z is, each entry rounded to the nearest double.
-//! It is wrong, too, when the problem has no exact solution at all (decided where its [core](solvable::core) has order
+//! It is wrong, too, when the problem has no exact solution at all (decided where its `solvable::core` has order
 //! [`ENUMERATED`] at most by trying every support, for any n by another method's exact Farkas vector) unless it is nearly solvable: unless some `(A + E, q + e)`
 //! with `|E| <= omega |A|`, `|e| <= omega |q|`, entry by entry, zeros kept, `omega = sqrt(tol)`, is solved by the point exactly.
 //!
